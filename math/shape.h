@@ -1,0 +1,58 @@
+/* math/shape.h -- exact curved surfaces: rays meet them as they are, patches lie on them.
+ *
+ * A shape is a unit form in its own space and an affine map to the world, so that ellipsoids,
+ * elliptic cylinders and sheared cones come for free. Each has parameters (u, v) in [0,1]^2:
+ *
+ *   SPHERE   |p| = 1                u: longitude / 2 pi about z, v: (1 + z) / 2 (equal areas)
+ *   DISC     z = 0, x^2+y^2 <= 1    u: angle / 2 pi, v: radius^2 (equal areas)
+ *   FRUSTUM  z in [0,1], radius 1 + (ratio - 1) z: cylinder coat (1), cone (0), stump; no lids
+ *                                   u: angle / 2 pi, v: z
+ *   TORUS    circle of radius 1 about z, tube radius `ratio` < 1
+ *                                   u: angle about z / 2 pi, v: angle about the tube / 2 pi
+ *
+ * Normals point out of the solid (disc: along +z of its space), also under mirroring maps.
+ * Units    scene units. Rays are double: quadrics and quartics lose too much in float.
+ * Method   torus: quartic by Sturm-free bracketing and Newton in double after moving the origin to
+ *          the closest approach, which keeps the coefficients small [hart, "sphere tracing" idea].
+ */
+#ifndef MATH_SHAPE_H
+#define MATH_SHAPE_H
+
+#include <stdbool.h>
+
+#include "base/error.h"
+#include "math/affine.h"
+
+typedef enum { SHAPE_SPHERE, SHAPE_DISC, SHAPE_FRUSTUM, SHAPE_TORUS } ShapeKind;
+
+typedef struct {
+    ShapeKind kind;
+    double    ratio;    /* frustum: top radius / bottom radius >= 0; torus: tube / ring, (0, 1) */
+    Affine    to_world; /* unit form -> world */
+    Affine    to_local; /* its inverse */
+} Shape;
+
+/* Fills *shape. fails  false and ERROR_INPUT when the map is singular or ratio is out of range. */
+bool shape_init(Shape *shape, ShapeKind kind, double ratio, const Affine *to_world, Error *err);
+
+Vec3 shape_point(const Shape *shape, double u, double v);
+/* Unit normal in the world. At a cone's tip: the limit along u. */
+Vec3 shape_normal(const Shape *shape, double u, double v);
+/* |dP/du x dP/dv|: area per unit of (u, v). */
+double shape_density(const Shape *shape, double u, double v);
+/* Area of the part u0..u1, v0..v1 by adaptive Gauss-Legendre quadrature, relative error < 1e-9. */
+double shape_area(const Shape *shape, double u0, double u1, double v0, double v1);
+/* Corners of the axis-parallel box around the whole shape. */
+void shape_bounds(const Shape *shape, Vec3 *lo, Vec3 *hi);
+/* Parameters of the point of the shape nearest to p, p on it up to rounding. */
+void shape_parameters(const Shape *shape, Vec3 p, double *u, double *v);
+
+typedef struct {
+    double t, u, v;
+} ShapeHit;
+
+/* Nearest hit with t_min < t < t_max; both sides count; a NaN gives no hit. */
+bool shape_intersect(const Shape *shape, Vec3 origin, Vec3 direction, double t_min, double t_max,
+                     ShapeHit *hit);
+
+#endif

@@ -1,0 +1,81 @@
+/* mesh/polygons.h -- what a scene file gives: the polygon soup, the master copy of the geometry.
+ *
+ * Nothing here is welded, repaired or dropped. Every later thing (triangle, surface, patch) can say
+ * which polygon or shape it came from.
+ * Units    scene units; right-handed; a polygon's front is where its corners run counter-clockwise.
+ */
+#ifndef MESH_POLYGONS_H
+#define MESH_POLYGONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/error.h"
+#include "math/rgb.h"
+#include "math/shape.h"
+#include "math/vec3.h"
+
+typedef struct {
+    char  *name;           /* "" when the file gives none; owned */
+    Rgb    reflectance;    /* diffuse, 0 <= rho < 1 per band */
+    Rgb    emission;       /* emitted radiance L, cd/m2; exitance is pi L */
+    Rgb    specular;       /* mirror-like or glossy reflectance, 0..1 */
+    double exponent;       /* Phong exponent of the specular part; INFINITY: ideal mirror; 0: none given */
+    Rgb    transmittance;  /* of a clear pane or body per crossing, 0: opaque */
+    double ior;            /* index of refraction, 1: none */
+    double importance;     /* MSD's IMPORTANCE, default 1 */
+    bool   emits_both;     /* emission leaves both sides (a file may say so) */
+} Material;
+
+typedef struct {
+    uint32_t material, group;
+    Shape    shape;
+} ShapeFace;
+
+typedef struct {
+    /* polygons */
+    Vec3     *position;      /* [vertex_count] */
+    uint32_t *first;         /* [polygon_count + 1]  corners of polygon i: first[i] .. first[i+1]-1 */
+    uint32_t *corner;        /* [first[polygon_count]]  index into position */
+    uint32_t *material;      /* [polygon_count]  index into materials */
+    uint32_t *group;         /* [polygon_count]  index into group_name */
+    size_t    vertex_count, polygon_count;
+    size_t    vertex_capacity, corner_capacity, polygon_capacity;   /* of the arrays above */
+    /* exact curved faces */
+    ShapeFace *shape;        /* [shape_count] */
+    size_t     shape_count, shape_capacity;
+    /* what they refer to */
+    Material *materials;     /* [material_count] */
+    size_t    material_count, material_capacity;
+    char    **group_name;    /* [group_count]  unique names */
+    size_t    group_count, group_capacity;
+} Polygons;
+
+/* An empty soup is { 0 }. All adders: false and ERROR_MEMORY (or ERROR_INPUT over 2^32 items);
+ * the soup stays valid. */
+bool polygons_add_vertex(Polygons *soup, Vec3 p, uint32_t *index, Error *err);
+/* count >= 3 corners; corners, material and group must exist (asserted). */
+bool polygons_add_polygon(Polygons *soup, const uint32_t *corners, size_t count, uint32_t material,
+                          uint32_t group, Error *err);
+bool polygons_add_shape(Polygons *soup, const Shape *shape, uint32_t material, uint32_t group,
+                        Error *err);
+/* Copies *material and its name (NULL: ""). A default material: material_default(). */
+bool polygons_add_material(Polygons *soup, const Material *material, uint32_t *index, Error *err);
+/* Finds the group of that name or adds it. "" becomes "default". */
+bool polygons_add_group(Polygons *soup, const char *name, uint32_t *index, Error *err);
+
+/* Grey 0.5, nothing else. */
+Material material_default(void);
+
+/* Box around everything, shapes included; false when there is nothing finite. */
+bool polygons_bounds(const Polygons *soup, Vec3 *lo, Vec3 *hi);
+
+/* Invariants: indices in range, first[] rising by at least 3, 0 <= reflectance < 1, emission finite
+ * and >= 0. */
+bool polygons_check(const Polygons *soup);
+
+/* Frees everything inside, leaves { 0 }. */
+void polygons_clear(Polygons *soup);
+
+#endif

@@ -1,0 +1,103 @@
+/* mesh/surfaces.h -- the soup made connected: what rays meet and what is cut into patches.
+ *
+ * A surface is a piece with parameters (s, t) in [0,1]^2 (triangles: s + t <= 1):
+ *   TRIANGLE  one triangle: s, t are the weights of its corners 1 and 2
+ *   QUAD      two triangles (a,b,c), (a,c,d) that share a diagonal; (s,t) is linear on each of
+ *             them: a (0,0), b (1,0), c (1,1), d (0,1). A parallelogram is exactly affine.
+ *   SHAPE     an exact curved face with the parameters of math/shape.h
+ *
+ * Primitives are what a ray can hit: triangles first, then shapes; primitive k >= triangle_count is
+ * shape k - triangle_count. A hit's (primitive, u, v) gives (surface, s, t).
+ *
+ * Made from the soup: positions are welded, polygons (concave, any number of corners) are cut into
+ * triangles, triangles that form a planar parallelogram become one quad again, half-edges are built
+ * by OpenMesh; faces it refuses keep their place with vertices of their own.
+ * Units    scene units.
+ * Threads  never changes once made.
+ */
+#ifndef MESH_SURFACES_H
+#define MESH_SURFACES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/error.h"
+#include "base/monitor.h"
+#include "mesh/polygons.h"
+
+#define SURFACE_NONE UINT32_MAX
+
+typedef enum { SURFACE_TRIANGLE, SURFACE_QUAD, SURFACE_SHAPE } SurfaceKind;
+
+typedef struct {
+    SurfaceKind kind;
+    uint32_t    primitive;  /* first primitive: a quad's second triangle is primitive + 1 */
+    uint32_t    face;       /* polygon it came from; for a shape: polygon_count + shape index */
+    uint32_t    material, group;
+    double      area;
+    /* neighbour over edge k (triangle: edges 01 12 20; quad: ab bc cd da; shape: none), or
+     * SURFACE_NONE at a rim or refused edge */
+    uint32_t    neighbour[4];
+} Surface;
+
+/* What was found and done while connecting; all are counts. */
+typedef struct {
+    uint32_t welded;        /* vertices that fell together with an earlier one */
+    uint32_t duplicate;     /* faces equal to an earlier one in corners, whatever the winding: left out */
+    uint32_t degenerate;    /* triangles without area: left out */
+    uint32_t nonmanifold;   /* faces whose edge has two faces already: kept, vertices of their own */
+    uint32_t flipped;       /* faces turned round to agree with their neighbours */
+    uint32_t refused;       /* faces the half-edge mesh would not take for other reasons: kept apart */
+} Repairs;
+
+typedef struct {
+    Surface  *surface;            /* [count] */
+    uint32_t  count;
+    Vec3     *position;           /* [vertex_count]  welded */
+    uint32_t  vertex_count;
+    uint32_t *corner;             /* [3 * triangle_count]  index into position */
+    uint32_t *triangle_surface;   /* [triangle_count] */
+    uint32_t  triangle_count;
+    Shape    *shape;              /* [shape_count] */
+    uint32_t *shape_surface;      /* [shape_count] */
+    uint32_t  shape_count;
+    Vec3      lo, hi;             /* bounds */
+    double    largest_coordinate; /* max |coordinate|, for ray_offset */
+    bool      closed;             /* every edge has two faces and no shape has a rim */
+    Repairs   repairs;
+} Surfaces;
+
+/* owns   the caller frees with surfaces_destroy; the soup is copied, not kept.
+ * fails  NULL; ERROR_MEMORY, or ERROR_INPUT when nothing with area is left. */
+Surfaces *surfaces_create(const Polygons *soup, const Monitor *monitor, Error *err);
+Surfaces *surfaces_destroy(Surfaces *surfaces);
+
+static inline uint32_t surfaces_primitive_count(const Surfaces *s)
+{
+    return s->triangle_count + s->shape_count;
+}
+static inline uint32_t surfaces_of_primitive(const Surfaces *s, uint32_t primitive)
+{
+    return primitive < s->triangle_count ? s->triangle_surface[primitive]
+                                         : s->shape_surface[primitive - s->triangle_count];
+}
+
+/* (s, t) of a hit, from a primitive and the hit's u, v (triangle: weights of corners 1 and 2). */
+void surfaces_parameters(const Surfaces *surfaces, uint32_t primitive, double u, double v,
+                         double *s, double *t);
+/* Point, unit front normal, and area per unit of (s,t) at (s, t). `primitive` may be NULL. */
+typedef struct {
+    Vec3     point, normal;
+    double   density;
+    uint32_t primitive; /* the one that holds the point: rays leaving it need not meet it again */
+} SurfacePoint;
+void surfaces_point(const Surfaces *surfaces, uint32_t surface, double s, double t,
+                    SurfacePoint *out);
+/* Unit front normal of a primitive at a hit. */
+Vec3 surfaces_normal(const Surfaces *surfaces, uint32_t primitive, double u, double v);
+
+/* Invariants: indices in range, areas positive and adding up to the triangles' and shapes' areas,
+ * neighbours mutual. */
+bool surfaces_check(const Surfaces *surfaces);
+
+#endif

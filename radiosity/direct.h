@@ -1,0 +1,28 @@
+/* radiosity/direct.h -- what point and spot lights send to patches: H = I cos / d^2, seen or not. */
+#ifndef RADIOSITY_DIRECT_H
+#define RADIOSITY_DIRECT_H
+
+#include "radiosity/links.h"
+#include "radiosity/room.h"
+
+typedef struct {
+    uint32_t samples;  /* visibility rays per patch and light; 0: 64 */
+    uint32_t seed;
+    unsigned threads;
+    bool     balance;  /* scale so that what arrives and escapes is what was sent, exactly */
+} DirectOptions;
+
+typedef struct {
+    double *irradiance;         /* [patches * ROOM_BANDS]  mean over the patch's visible area */
+    Rgb     flux;               /* sent out by all lights */
+    Rgb     escaped;            /* of it, what meets no surface in use, by rays from the lights */
+    double  balance_error;      /* |arrived + escaped - flux| / flux before scaling, luminance */
+    uint64_t rays;
+} Direct;
+
+/* links gives the visible areas. No lights: all zero.
+ * owns   direct->irradiance is the caller's, freed with array_free. */
+bool direct_create(const Room *room, const Links *links, const DirectOptions *options,
+                   Direct *direct, const Monitor *monitor, Error *err);
+
+#endif

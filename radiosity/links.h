@@ -1,0 +1,67 @@
+/* radiosity/links.h -- who exchanges light with whom: form factors as compressed rows.
+ *
+ * F_ij is the share of what leaves patch i that arrives at patch j; over the parts of both that are
+ * not inside other solids, A_i F_ij = A_j F_ji. Cosine-weighted rays from points all over patch i
+ * (a scrambled Sobol' net in four dimensions: place and direction) estimate the row: each ray is a
+ * share of 1. Patches that emit are sampled from their own side as well, with visibility rays, and
+ * the two estimates are combined by the balance heuristic [veach95], so a small lamp is never left
+ * to chance and a near one never blows up.
+ * A sample point whose rays meet a side that takes no part (the inside of a box that stands on the
+ * patch) lies inside a solid: it neither sends nor receives.
+ * Threads  made in parallel, the same bytes for any number; a finished Links never changes.
+ */
+#ifndef RADIOSITY_LINKS_H
+#define RADIOSITY_LINKS_H
+
+#include "base/error.h"
+#include "base/monitor.h"
+#include "radiosity/room.h"
+
+typedef enum { CLOSURE_NONE, CLOSURE_ROWS, CLOSURE_RECIPROCITY, CLOSURE_BOTH } Closure;
+
+typedef struct {
+    uint32_t rays;        /* hemisphere rays per patch; 0: 256 */
+    uint32_t lamp_rays;   /* visibility rays per patch to emitting patches; 0: rays / 4 */
+    uint32_t seed;
+    unsigned threads;
+    uint64_t max_bytes;   /* refuse with ERROR_MEMORY before more than this is taken; 0: no limit */
+} LinksOptions;
+
+typedef struct {
+    uint32_t  count;        /* patches */
+    uint64_t *first;        /* [count + 1] */
+    uint32_t *source;       /* [first[count]]  rising within a row */
+    float    *form_factor;  /* [first[count]]  from receiver to source, in [0, 1] */
+    float    *escape;       /* [count]  share of what leaves that meets nothing */
+    double   *area;         /* [count]  visible area: the patch's area outside other solids */
+    uint64_t  rays;         /* cast */
+    double    seconds;
+} Links;
+
+/* How far rows and pairs are from what must hold; relative row sums |sum_j F_ij + escape - 1|;
+ * reciprocity |A_i F_ij - A_j F_ji| / max over the larger row's area. */
+typedef struct {
+    double   row_sum_error_max, row_sum_error_rms;
+    double   reciprocity_error_max, reciprocity_error_rms;
+    double   escaped;       /* area-weighted mean of escape */
+    uint64_t nonzeros, bytes;
+} LinksReport;
+
+Links *links_create(const Room *room, const LinksOptions *options, const Monitor *monitor,
+                    Error *err);
+Links *links_destroy(Links *links);
+void   links_report(const Links *links, LinksReport *report);
+/* Invariants: rows in order, sources rising and < count, 0 <= F <= 1, escape in [0, 1]. */
+bool   links_check(const Links *links);
+
+/* Enforces what must hold, as a step of its own that leaves the raw links to the caller: a new
+ * Links. ROWS: each row scaled so that it and its escape sum to 1. RECIPROCITY: A_i F_ij and
+ * A_j F_ji become their mean. BOTH: reciprocity, then one factor per patch, d_i d_j, found by
+ * iteration until rows hold to 1e-7 (sinkhorn67 in its symmetric form); zeros stay zero, nothing
+ * becomes negative. What was reached is in a links_report of the result.
+ * fails  NULL; ERROR_MEMORY, ERROR_STOPPED. A BOTH that cannot converge gives its best and warns
+ *        ("closure-missed"). */
+Links *links_close(const Links *links, Closure closure, unsigned threads, const Monitor *monitor,
+                   Error *err);
+
+#endif

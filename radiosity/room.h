@@ -1,0 +1,48 @@
+/* radiosity/room.h -- the geometry light travels in, gathered from the stages below.
+ *
+ * A Room owns nothing: it points to what the caller keeps alive, and never changes while used.
+ */
+#ifndef RADIOSITY_ROOM_H
+#define RADIOSITY_ROOM_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "math/light.h"
+#include "mesh/patches.h"
+#include "mesh/polygons.h"
+#include "mesh/surfaces.h"
+#include "raycast/bvh.h"
+
+enum { ROOM_BANDS = 3 }; /* bands of materials; solvers take any number */
+
+typedef struct {
+    const Surfaces *surfaces;
+    const Bvh      *bvh;            /* over the surfaces' primitives, in their order */
+    const Patches  *patches;
+    const Material *materials;      /* [material_count] */
+    size_t          material_count;
+    const Light    *lights;         /* [light_count] */
+    size_t          light_count;
+    const uint8_t  *sides;          /* [surfaces->count]  bit 0/1: front/back in use */
+    const uint8_t  *emitting;       /* [surfaces->count]  bit 0/1: front/back emits */
+    double          offset;         /* ray_offset(surfaces->largest_coordinate) */
+} Room;
+
+/* What a ray meets: the surface, where on it, and from which side. */
+typedef struct {
+    uint32_t surface, patch; /* patch: PATCH_NONE when that side is not in use (a wall's inside) */
+    uint32_t primitive;
+    unsigned side;
+    double   s, t;
+    Vec3     point;          /* on the surface, from (s, t): not from the ray's t */
+    Vec3     normal;         /* unit, towards the side hit */
+} RoomHit;
+
+/* Resolves a BVH hit of a ray along `direction`. */
+void room_hit(const Room *room, const Hit *hit, Vec3 direction, RoomHit *out);
+
+/* Exitance pi L of a patch by itself, 0 when its side does not emit. */
+Rgb room_emission(const Room *room, uint32_t patch);
+
+#endif

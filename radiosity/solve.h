@@ -1,0 +1,71 @@
+/* radiosity/solve.h -- from links to light: B = E + rho (H0 + F B).
+ *
+ * Knows no room: flat arrays in, flat arrays out, any number of bands.
+ * Units    E, B exitance (lm/m2 or W/m2); H irradiance (lux or W/m2).
+ * Residual the power still missing, sum A |E + rho (H0 + F B) - B| / sum A (E + rho H0), the
+ *          largest over bands: the same measure in all solvers. Its product with 1/(1 - max rho)
+ *          bounds the relative error in power.
+ * Threads  same bytes for any number.
+ */
+#ifndef RADIOSITY_SOLVE_H
+#define RADIOSITY_SOLVE_H
+
+#include "base/error.h"
+#include "base/monitor.h"
+#include "radiosity/links.h"
+
+typedef enum { SOLVER_GAUSS_SEIDEL, SOLVER_JACOBI, SOLVER_PROGRESSIVE } Solver;
+
+typedef struct {
+    unsigned      bands;
+    const double *emission;     /* [count * bands]  E >= 0 */
+    const double *reflectance;  /* [count * bands]  0 <= rho < 1 */
+    const double *received;     /* [count * bands]  H0 >= 0, irradiance from outside; NULL: none */
+} SolveProblem;
+
+typedef struct {
+    Solver   solver;
+    double   tolerance;        /* stop when the residual is below; 0: 1e-5 */
+    uint32_t max_iterations;   /* sweeps; for progressive: shots; 0: no limit */
+    bool     no_ambient;       /* progressive, stopped early: leave the ambient estimate out */
+    unsigned threads;
+} SolveOptions;
+
+typedef struct {
+    uint32_t count;
+    unsigned bands;
+    double  *radiosity;    /* [count * bands]  B, E included */
+    double  *irradiance;   /* [count * bands]  H = H0 + F B */
+    uint32_t iterations;
+    double   residual;     /* reached */
+    double   unshot;       /* power not yet distributed / (emitted + received power), 0..1 */
+    bool     converged;
+    double   seconds;
+} Solution;
+
+/* Progressive refinement shoots from the patch with the greatest unshot power [cohen88], with the
+ * matrix' own column, so that all solvers solve the same system. Stopped by max_iterations or the
+ * monitor, the result holds the ambient estimate for what was not shot.
+ * owns   the caller frees with solution_destroy.
+ * fails  NULL; ERROR_MEMORY. A stop by the monitor gives a solution with converged false. */
+Solution *solve(const Links *links, const SolveProblem *problem, const SolveOptions *options,
+                const Monitor *monitor, Error *err);
+Solution *solution_destroy(Solution *solution);
+
+const char *solver_name(Solver solver);
+bool        solver_from_name(const char *name, Solver *solver);
+
+/* Power bookkeeping per band; lights' flux and what of it escapes directly are added by the caller. */
+typedef struct {
+    double emitted, absorbed, escaped; /* power */
+    double error;                      /* |emitted - absorbed - escaped| / emitted */
+} Energy;
+void solution_energy(const Solution *solution, const Links *links, const SolveProblem *problem,
+                     unsigned band, double light_flux, double light_escaped, Energy *energy);
+
+/* Area-weighted mean of the patches around each vertex: out [vertex_count * bands]. Creases, sides
+ * and material borders are kept because vertices are split there. */
+void vertex_radiosity(const Patches *patches, const double *area, unsigned bands,
+                      const double *patch_value, double *out);
+
+#endif

@@ -1,0 +1,64 @@
+/* raycast/bvh.h -- a tree of boxes over triangles and curved shapes: nearest hit, and who sees whom.
+ *
+ * Knows    base/ and math/. Primitive i is the number i: no mesh, patch or material here.
+ * Units    scene units; a hit's t counts in lengths of the ray's direction.
+ * Method   build: binned surface-area heuristic [wald07], nodes of 4 children; triangle test:
+ *          watertight [woop13]; shapes: exact, in double.
+ * Ties     of two hits at exactly the same t the smaller primitive number wins, so the answer does
+ *          not depend on the tree.
+ * NaN      a ray with a NaN or infinity in origin or direction misses everything.
+ * Threads  a finished Bvh never changes: query it from any thread, without locks.
+ */
+#ifndef RAYCAST_BVH_H
+#define RAYCAST_BVH_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/error.h"
+#include "math/shape.h"
+#include "raycast/ray.h"
+
+typedef struct {
+    const Vec3     *position;       /* [vertex_count] */
+    const uint32_t *corner;         /* [3 * triangle_count]  index into position */
+    const Shape    *shape;          /* [shape_count] */
+    uint32_t        vertex_count, triangle_count, shape_count;
+} Primitives;
+
+typedef struct Bvh Bvh;
+
+/* A triangle without area is kept and never hit; no primitives at all make a valid, empty tree.
+ * owns   the caller gets the tree; `primitives` is copied, not kept.
+ * fails  NULL; ERROR_MEMORY; ERROR_INPUT for a corner out of range or a position not finite. */
+Bvh *bvh_create(const Primitives *primitives, unsigned threads, Error *err);
+Bvh *bvh_destroy(Bvh *bvh);
+
+typedef struct {
+    uint64_t triangles, shapes, nodes, bytes;
+    double   seconds;
+} BvhStats;
+void bvh_stats(const Bvh *bvh, BvhStats *stats);
+
+/* Nearest hit: true and *hit; else false and hit->primitive = RAY_MISS.
+ * hot    checks nothing in release builds. */
+bool bvh_nearest(const Bvh *bvh, const Ray *ray, Hit *hit);
+
+/* Whether anything lies on the ray; stops at the first hit: cheaper.
+ * hot    checks nothing in release builds. */
+bool bvh_blocked(const Bvh *bvh, const Ray *ray);
+
+/* The same for many rays at once, in the caller's order: the calls that solvers make, so that rays
+ * may be traced in company. Results do not depend on the grouping. */
+void bvh_nearest_many(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count);
+void bvh_blocked_many(const Bvh *bvh, const Ray *ray, bool *blocked, size_t count);
+
+/* Invariants: boxes contain their children and primitives, each primitive is there exactly once. */
+bool bvh_check(const Bvh *bvh);
+
+/* Every primitive, no tree: what tests compare against. Same arithmetic per primitive, same ties. */
+bool brute_nearest(const Primitives *primitives, const Ray *ray, Hit *hit);
+bool brute_blocked(const Primitives *primitives, const Ray *ray);
+
+#endif

@@ -1,0 +1,57 @@
+/* render/gather.h -- the final gather: light once more, per pixel or at points, by rays.
+ *
+ * At a point, light comes from lamps (areas that emit: sampled directly and by the hemisphere rays,
+ * combined by multiple importance sampling), from point lights, and from all else: hemisphere rays
+ * read the solution, interpolated, where they end. Rays shorter than a patch are followed one bounce
+ * further, so that the mesh never shows near corners.
+ * Method   two-pass radiosity [wallace87], final gather [reichert92]; MIS [veach95].
+ * Threads  same bytes for any number.
+ */
+#ifndef RENDER_GATHER_H
+#define RENDER_GATHER_H
+
+#include "base/monitor.h"
+#include "radiosity/room.h"
+#include "radiosity/solve.h"
+#include "render/image.h"
+#include "scenes/scene.h"
+
+/* All a gather reads; made once per solution, shared by pictures and points. */
+typedef struct Gatherer Gatherer;
+
+/* solution: bands = ROOM_BANDS. Everything passed must outlive the Gatherer. */
+Gatherer *gatherer_create(const Room *room, const Solution *solution, const Links *links,
+                          Error *err);
+Gatherer *gatherer_destroy(Gatherer *gatherer);
+
+typedef struct {
+    int      width, height;
+    uint32_t samples;       /* camera rays per pixel; 0: 64 */
+    uint32_t gather_rays;   /* hemisphere rays per camera ray; 0: 4 */
+    uint32_t light_rays;    /* lamp samples per camera ray; 0: 1 */
+    bool     diffuse_only;  /* leave mirrors, glass and gloss out */
+    Rgb      background;
+    uint32_t seed;
+    unsigned threads;
+} RenderOptions;
+
+typedef struct {
+    uint64_t rays;
+    double   seconds;
+} RenderReport;
+
+/* fails  NULL; ERROR_MEMORY. Stopped by the monitor: the image with what was finished (whole rows
+ *        of tiles) and *err ERROR_STOPPED. */
+Image *render_gather(const Gatherer *gatherer, const Camera *camera, const RenderOptions *options,
+                     RenderReport *report, const Monitor *monitor, Error *err);
+
+/* Irradiance at a free point with a unit normal: direct from lamps and lights, and indirect; and
+ * their standard errors (luminance) from independent scramblings. rays: total hemisphere rays. */
+typedef struct {
+    Rgb    direct, indirect;
+    double standard_error;
+} Irradiance;
+void gather_irradiance(const Gatherer *gatherer, Vec3 point, Vec3 normal, uint32_t rays,
+                       uint32_t seed, Irradiance *out);
+
+#endif

@@ -1,0 +1,47 @@
+/* render/image.h -- a picture as layers of floats; row 0 on top. */
+#ifndef RENDER_IMAGE_H
+#define RENDER_IMAGE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/error.h"
+
+typedef struct {
+    int    width, height;
+    float *radiance;    /* [3 * width * height]  all light towards the eye */
+    float *direct;      /* [3 * ..]  part of it reflected once from lamps and lights */
+    float *indirect;    /* [3 * ..]  part of it reflected more often; emitted = radiance - both */
+    float *albedo;      /* [3 * ..]  diffuse reflectance */
+    float *irradiance;  /* [3 * ..]  lux or W/m2 at what is seen */
+    float *normal;      /* [3 * ..]  unit, world, towards the eye; 0: background */
+    float *depth;       /* [..]  distance from the eye, INFINITY: background */
+    uint32_t *patch;    /* [..]  patch seen at the pixel's centre, UINT32_MAX: none */
+} Image;
+
+Image *image_create(int width, int height, Error *err);
+Image *image_destroy(Image *image);
+
+/* What a picture file says of itself. Strings may be NULL. */
+typedef struct {
+    double      eye[3], target[3], up[3], vertical_fov;
+    double      exposure;       /* EV the PNG was made with */
+    const char *units;          /* "photometric" or "radiometric" */
+    const char *version, *scene, *command;
+    uint64_t    scene_hash;
+} ImageInfo;
+
+/* OpenEXR, 32-bit float, ZIP: channels R G B; direct.R ...; indirect.R ...; albedo.R ...;
+ * irradiance.R ...; normal.X Y Z; depth.Z; patch.ID (uint). Attributes from info. */
+bool image_write_exr(const Image *image, const ImageInfo *info, const char *path, Error *err);
+/* R G B of an EXR (any of half, float), for comparing; width and height are set.
+ * owns   the caller frees with array_free. */
+float *image_read_exr(const char *path, int *width, int *height, Error *err);
+
+/* 8-bit sRGB PNG: radiance * 2^exposure, tone curve, sRGB; text chunks from info. */
+bool image_write_png(const Image *image, double exposure, const ImageInfo *info, const char *path,
+                     Error *err);
+/* The exposure (EV) that puts the picture's log-average luminance, lamps left out, at mid grey. */
+double image_auto_exposure(const Image *image);
+
+#endif

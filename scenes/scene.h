@@ -1,0 +1,65 @@
+/* scenes/scene.h -- a whole scene: geometry, materials, lights, cameras; and how to read one.
+ *
+ * Owns everything it points to. Readers validate: what they return passes scene_check.
+ */
+#ifndef SCENES_SCENE_H
+#define SCENES_SCENE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/error.h"
+#include "base/monitor.h"
+#include "math/light.h"
+#include "mesh/polygons.h"
+
+typedef struct {
+    char   name[64];
+    Vec3   eye, target, up;      /* up need not be perpendicular to the view */
+    double vertical_fov;         /* degrees, whole angle, (0, 180) */
+    double aspect;               /* width / height wanted; 0: follows the picture's size */
+} Camera;
+
+typedef struct {
+    char      *file;             /* path as given */
+    Polygons   polygons;
+    Light     *lights;           /* [light_count] */
+    size_t     light_count;
+    Camera    *cameras;          /* [camera_count]; the first is the default */
+    size_t     camera_count;
+    int        width, height;    /* SCREEN's size; 0: not given */
+    Rgb        background;       /* radiance of what no surface hides; lights nothing */
+    Rgb        ambient;          /* AMB_LIGHT, kept for the Whitted renderer */
+    Vec3       up;               /* of the file's format: y for OBJ and glTF, z for MSD without SCREEN,
+                                    STL ...; from SCREEN's UP when there is one; unit */
+    bool       has_screen;       /* the file names a view */
+    uint64_t   hash;             /* xxHash of the bytes of all files read */
+} Scene;
+
+typedef struct {
+    double    import_seconds;    /* limit for a foreign file; 0: 120 */
+    uint64_t  import_memory;     /* bytes the importing child may use; 0: 8 GiB */
+    const Monitor *monitor;      /* warnings; may be NULL */
+} SceneReadOptions;
+
+/* Reads by the file name's ending: .msd is the own language, all else goes through the importer in
+ * a child process. Values that cannot be (reflectance >= 1, negative emission, coordinates that are
+ * not finite) are limited or refused and told through monitor's warn.
+ * owns   the caller frees with scene_destroy.
+ * fails  NULL; ERROR_INPUT with file (and line), ERROR_MEMORY. */
+Scene *scene_read(const char *path, const SceneReadOptions *options, Error *err);
+
+Scene *scene_destroy(Scene *scene);
+
+/* An empty scene for readers and tests. */
+Scene *scene_create(const char *file, Error *err);
+bool   scene_add_light(Scene *scene, const Light *light, Error *err);
+bool   scene_add_camera(Scene *scene, const Camera *camera, Error *err);
+
+/* Invariants of a Scene, polygons included. */
+bool scene_check(const Scene *scene);
+
+/* True when a material in use emits, or a light exists. */
+bool scene_has_light(const Scene *scene);
+
+#endif
