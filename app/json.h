@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* app/json.h -- JSON written as it comes, one value after the other.
+ *
+ * Keys keep their order; numbers print so that they read back as the same double; what is not a
+ * number becomes null; bytes that are not UTF-8 become U+FFFD, so that any file name can be told.
+ */
+#ifndef APP_JSON_H
+#define APP_JSON_H
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+
+typedef struct {
+    FILE *out;
+    int   depth;      /* open objects and arrays */
+    bool  begun;      /* the innermost one has a value already */
+    bool  one_line;   /* no line breaks: for streams of objects */
+} Json;
+
+/* key NULL: inside an array, or the outermost value. */
+void json_open(Json *json, const char *key, char bracket);
+void json_close(Json *json, char bracket);
+void json_text(Json *json, const char *key, const char *value);
+void json_number(Json *json, const char *key, double value);
+void json_count(Json *json, const char *key, uint64_t value);
+void json_bool(Json *json, const char *key, bool value);
+void json_numbers(Json *json, const char *key, const double *values, int count);
+
+#endif

@@ -1,0 +1,324 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The one table of options, and how a command line is read by it. */
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/options.h"
+#include "radiosity/links.h"
+#include "radiosity/sides.h"
+#include "radiosity/solve.h"
+
+/* The words of these options stand in the order of the library's enumerations. */
+_Static_assert(CLOSURE_NONE == 0 && CLOSURE_ROWS == 1 && CLOSURE_RECIPROCITY == 2 &&
+                   CLOSURE_BOTH == 3, "words of --closure");
+_Static_assert(SOLVER_GAUSS_SEIDEL == 0 && SOLVER_JACOBI == 1 && SOLVER_PROGRESSIVE == 2,
+               "words of --solver");
+_Static_assert(EMIT_AUTO == 0 && EMIT_FRONT == 1 && EMIT_BACK == 2 && EMIT_BOTH == 3,
+               "words of --emit");
+
+#define FIELD(name) offsetof(Options, name)
+#define BIG 1e30
+#define ALL_BITS (COMMAND_RENDER | COMMAND_SOLVE | COMMAND_FACTORS | COMMAND_MEASURE | \
+                  COMMAND_CHECK | COMMAND_VALIDATE | COMMAND_BENCH)
+/* Commands that solve, those that build patches and links, those that read a scene. */
+#define SOLVING (COMMAND_RENDER | COMMAND_SOLVE | COMMAND_MEASURE | COMMAND_BENCH)
+#define LINKING (SOLVING | COMMAND_FACTORS)
+#define READING (LINKING | COMMAND_CHECK)
+
+static const OptionRow option_rows[OPTION_COUNT] = {
+    { OPTION_OUTPUT, "-o", "FILE",
+      COMMAND_RENDER | COMMAND_SOLVE | COMMAND_FACTORS | COMMAND_MEASURE, KIND_TEXT, FIELD(output),
+      0, 0, NULL, "result file; - is standard output (not for pictures)" },
+    { OPTION_JSON, "--json", "FILE", ALL_BITS, KIND_TEXT, FIELD(json), 0, 0, NULL,
+      "summary as JSON; - is standard output" },
+    { OPTION_QUALITY, "--quality", "LEVEL", LINKING, KIND_CHOICE, FIELD(quality), 0, 0,
+      "draft,medium,high,final", "one knob for all that follows (default medium)" },
+    { OPTION_PRINT_CONFIG, "--print-config", NULL, LINKING, KIND_FLAG, FIELD(print_config), 0, 0,
+      NULL, "print what quality and options amount to, and stop" },
+    { OPTION_THREADS, "--threads", "N", ALL_BITS, KIND_COUNT, FIELD(threads), 1, 1024, NULL,
+      "default: one per core; results do not depend on it" },
+    { OPTION_SEED, "--seed", "N", ALL_BITS, KIND_COUNT, FIELD(seed), 0, UINT32_MAX, NULL,
+      "another set of random numbers (default 0)" },
+    { OPTION_PROGRESS, "--progress", "HOW", ALL_BITS, KIND_CHOICE, FIELD(progress), 0, 0,
+      "auto,plain,json,none", "on standard error; auto: a live line on a terminal" },
+    { OPTION_MAX_MEMORY, "--max-memory", "SIZE", LINKING, KIND_BYTES, FIELD(max_memory), 1, BIG,
+      NULL, "refuse to use more, e.g. 512MB (exit code 6)" },
+    { OPTION_TIME_LIMIT, "--time-limit", "T", LINKING, KIND_SECONDS, FIELD(time_limit), 0, BIG,
+      NULL, "stop after 30s, 5min, 2h with what there is (exit code 5)" },
+    { OPTION_PATCH_SIZE, "--patch-size", "L", LINKING, KIND_NUMBER, FIELD(patch_size), 1e-30, BIG,
+      NULL, "greatest patch edge in scene units" },
+    { OPTION_PATCHES, "--patches", "N", LINKING, KIND_COUNT, FIELD(patches), 1, UINT32_MAX / 2,
+      NULL, "total number of patches aimed at" },
+    { OPTION_RAYS, "--rays", "N", LINKING, KIND_COUNT, FIELD(rays), 1, 1 << 24, NULL,
+      "hemisphere rays per patch" },
+    { OPTION_LAMP_RAYS, "--lamp-rays", "N", LINKING, KIND_COUNT, FIELD(lamp_rays), 1, 1 << 24,
+      NULL, "rays per patch to surfaces that emit" },
+    { OPTION_CLOSURE, "--closure", "WHAT", LINKING, KIND_CHOICE, FIELD(closure), 0, 0,
+      "none,rows,reciprocity,both", "enforce row sums, reciprocity on the factors (default both)" },
+    { OPTION_SOLVER, "--solver", "NAME", SOLVING, KIND_CHOICE, FIELD(solver), 0, 0,
+      "gauss-seidel,jacobi,progressive", "default gauss-seidel" },
+    { OPTION_TOLERANCE, "--tolerance", "X", SOLVING, KIND_NUMBER, FIELD(tolerance), 1e-14, 1, NULL,
+      "stop when the missing power falls below this share" },
+    { OPTION_MAX_ITERATIONS, "--max-iterations", "N", SOLVING, KIND_COUNT, FIELD(max_iterations),
+      1, UINT32_MAX, NULL, "sweeps, or shots of progressive; default: no limit" },
+    { OPTION_SIZE, "--size", "WxH", COMMAND_RENDER | COMMAND_BENCH, KIND_PIXELS, FIELD(size), 0, 0,
+      NULL, "picture size in pixels (default: the scene's, or 512x512)" },
+    { OPTION_SPP, "--spp", "N", COMMAND_RENDER, KIND_COUNT, FIELD(spp), 1, 1 << 20, NULL,
+      "camera rays per pixel" },
+    { OPTION_GATHER_RAYS, "--gather-rays", "N", COMMAND_RENDER | COMMAND_MEASURE, KIND_COUNT,
+      FIELD(gather_rays), 1, 1 << 24, NULL,
+      "hemisphere rays per camera ray (render) or per point (measure)" },
+    { OPTION_EXPOSURE, "--exposure", "EV", COMMAND_RENDER | COMMAND_SOLVE, KIND_EXPOSURE,
+      FIELD(exposure), 0, 0, NULL, "of PNG and PLY colours, in stops, or auto (default)" },
+    { OPTION_CAMERA, "--camera", "NAME", COMMAND_RENDER | COMMAND_BENCH, KIND_TEXT, FIELD(camera),
+      0, 0, NULL, "a camera of the file (default: its first, or a view of the room)" },
+    { OPTION_EYE, "--eye", "X,Y,Z", COMMAND_RENDER | COMMAND_BENCH, KIND_VECTOR, FIELD(eye), 0, 0,
+      NULL, "a view of your own: where the eye is" },
+    { OPTION_TARGET, "--target", "X,Y,Z", COMMAND_RENDER | COMMAND_BENCH, KIND_VECTOR,
+      FIELD(target), 0, 0, NULL, "what it looks at (default: the scene's middle)" },
+    { OPTION_UP, "--up", "X,Y,Z", COMMAND_RENDER | COMMAND_BENCH, KIND_VECTOR, FIELD(up), 0, 0,
+      NULL, "what is up (default: as the file says)" },
+    { OPTION_FOV, "--fov", "DEG", COMMAND_RENDER | COMMAND_BENCH, KIND_NUMBER, FIELD(fov), 0.01,
+      179, NULL, "vertical field of view, whole angle" },
+    { OPTION_DIFFUSE, "--diffuse", NULL, COMMAND_RENDER, KIND_FLAG, FIELD(diffuse), 0, 0, NULL,
+      "leave mirrors, glass and gloss out" },
+    { OPTION_BY, "--by", "WHAT", COMMAND_FACTORS, KIND_CHOICE, FIELD(by), 0, 0,
+      "group,material,patch", "rows of the matrix (default group)" },
+    { OPTION_POINTS, "--points", "FILE", COMMAND_MEASURE, KIND_TEXT, FIELD(points), 0, 0, NULL,
+      "x,y,z,nx,ny,nz per line; - is standard input" },
+    { OPTION_LIGHT, "--light", "KIND", SOLVING, KIND_CHOICE, FIELD(light), 0, 0, "none,ceiling",
+      "ceiling: hang a lamp under the ceiling of a scene without one" },
+    { OPTION_EMIT, "--emit", "SIDE", LINKING | COMMAND_CHECK, KIND_CHOICE, FIELD(emit), 0, 0,
+      "auto,front,back,both", "side that lamps shine from (default auto)" },
+    { OPTION_SIDES, "--sides", "WHICH", READING, KIND_CHOICE, FIELD(sides), 0, 0,
+      "auto,front,both", "sides that take part (default auto: what light or eye can reach)" },
+    { OPTION_UNITS, "--units", "LABEL", LINKING, KIND_CHOICE, FIELD(units), 0, 0,
+      "photometric,radiometric", "what the file's values are called; nothing is converted" },
+    { OPTION_UNIT_M, "--unit-m", "X", SOLVING, KIND_NUMBER, FIELD(unit_m), 1e-12, 1e12, NULL,
+      "length of a scene unit in metres (default 1)" },
+    { OPTION_FILTER, "--filter", "TEXT", COMMAND_VALIDATE, KIND_TEXT, FIELD(filter), 0, 0, NULL,
+      "only cases whose name contains this" },
+    { OPTION_HELP, "--help", NULL, ALL_BITS, KIND_FLAG, FIELD(help), 0, 0, NULL, "this page" },
+};
+
+const OptionRow *options_table(void)
+{
+    return option_rows;
+}
+
+/* --- commands ---------------------------------------------------------------------------------- */
+
+static const struct {
+    Command     command;
+    const char *name;
+} command_names[] = {
+    { COMMAND_RENDER, "render" },   { COMMAND_SOLVE, "solve" }, { COMMAND_FACTORS, "factors" },
+    { COMMAND_MEASURE, "measure" }, { COMMAND_CHECK, "check" }, { COMMAND_VALIDATE, "validate" },
+    { COMMAND_BENCH, "bench" },
+};
+enum { COMMAND_TOTAL = sizeof command_names / sizeof *command_names };
+
+const char *command_name(Command command)
+{
+    for (int i = 0; i < COMMAND_TOTAL; i++)
+        if (command_names[i].command == command)
+            return command_names[i].name;
+    return NULL;
+}
+
+Command command_from_name(const char *name)
+{
+    assert(name != NULL);
+    for (int i = 0; i < COMMAND_TOTAL; i++)
+        if (strcmp(command_names[i].name, name) == 0)
+            return command_names[i].command;
+    return COMMAND_NONE;
+}
+
+/* --- one option -------------------------------------------------------------------------------- */
+
+/* Misspellings further away than this are not worth a guess. */
+enum { GUESS_DISTANCE = 3 };
+
+static bool unknown_option(const char *name, Command command, Error *err)
+{
+    const char *best = NULL;
+    unsigned best_distance = GUESS_DISTANCE;
+    for (int i = 0; i < OPTION_COUNT; i++) {
+        const unsigned distance = word_distance(name, option_rows[i].name, GUESS_DISTANCE);
+        if ((option_rows[i].commands & command) != 0 && distance < best_distance) {
+            best = option_rows[i].name;
+            best_distance = distance;
+        }
+    }
+    if (best != NULL)
+        return error_set(err, ERROR_USAGE, "unknown option '%s'; did you mean %s?", name, best);
+    return error_set(err, ERROR_USAGE, "unknown option '%s'; see isolux %s --help", name,
+                     command_name(command));
+}
+
+static bool wrong_value(const OptionRow *row, const char *text, Error *err)
+{
+    if (row->kind == KIND_CHOICE)
+        return error_set(err, ERROR_USAGE, "%s '%s' is not one of %s", row->name, text, row->words);
+    if (row->kind == KIND_COUNT || row->kind == KIND_NUMBER)
+        return error_set(err, ERROR_USAGE, "%s '%s' is not a number%s from %g to %g", row->name,
+                         text, row->kind == KIND_COUNT ? " without a fraction" : "", row->low,
+                         row->high);
+    static const char *const forms[] = {
+        [KIND_BYTES] = "a size like 512MB",        [KIND_SECONDS] = "a time like 30s or 5min",
+        [KIND_PIXELS] = "a size like 640x480",     [KIND_VECTOR] = "three numbers like 1,2.5,-3",
+        [KIND_EXPOSURE] = "a number of stops or auto",
+    };
+    return error_set(err, ERROR_USAGE, "%s '%s' is not %s", row->name, text, forms[row->kind]);
+}
+
+/* Stores the value; *field is the option's place in Options. */
+static bool store_value(Options *options, const OptionRow *row, const char *text, Error *err)
+{
+    void *field = (char *)options + row->offset;
+    uint32_t count = 0;
+    double number = 0;
+    bool good = false;
+    switch (row->kind) {
+    case KIND_FLAG:
+        *(bool *)field = good = true;
+        break;
+    case KIND_TEXT:
+        *(const char **)field = text;
+        good = *text != '\0';
+        if (!good)
+            return error_set(err, ERROR_USAGE, "%s needs a %s", row->name, row->argument);
+        break;
+    case KIND_COUNT:
+        good = value_count(text, &count) && count >= row->low && count <= row->high;
+        *(uint32_t *)field = count;
+        break;
+    case KIND_NUMBER:
+        good = value_number(text, &number) && number >= row->low && number <= row->high;
+        *(double *)field = number;
+        break;
+    case KIND_BYTES:
+        good = value_bytes(text, field) && *(uint64_t *)field > 0;
+        break;
+    case KIND_SECONDS:
+        good = value_seconds(text, field);
+        break;
+    case KIND_CHOICE:
+        *(int *)field = value_choice(text, row->words);
+        good = *(int *)field >= 0;
+        break;
+    case KIND_PIXELS:
+        good = value_pixels(text, field);
+        break;
+    case KIND_VECTOR:
+        good = value_vector(text, field);
+        break;
+    case KIND_EXPOSURE:
+        options->exposure_set = strcmp(text, "auto") != 0;
+        good = !options->exposure_set || value_number(text, field);
+        break;
+    }
+    return good || wrong_value(row, text, err);
+}
+
+/* The row whose name is the first `length` letters of word, or NULL. */
+static const OptionRow *find_row(const char *word, size_t length)
+{
+    for (int i = 0; i < OPTION_COUNT; i++) {
+        assert(option_rows[i].id == (OptionId)i);
+        if (strlen(option_rows[i].name) == length &&
+            memcmp(option_rows[i].name, word, length) == 0)
+            return &option_rows[i];
+    }
+    return NULL;
+}
+
+static bool parse_option(Options *options, char **argv, int argc, int *at, Error *err)
+{
+    const char *word = argv[*at];
+    const char *value = NULL;
+    const OptionRow *row = NULL;
+    char name[64];
+    const size_t length = strcspn(word, "=");
+    if (strcmp(word, "-h") == 0)
+        row = &option_rows[OPTION_HELP];
+    else if (word[1] == 'o') {
+        row = &option_rows[OPTION_OUTPUT];
+        value = word[2] != '\0' ? word + 2 : NULL;
+    } else
+        row = find_row(word, length);
+    if (row != NULL && word[1] == '-' && word[length] == '=')
+        value = word + length + 1;
+    if (row == NULL) {
+        const size_t keep = length < sizeof name ? length : sizeof name - 1;
+        memcpy(name, word, keep);
+        name[keep] = '\0';
+        return unknown_option(name, options->command, err);
+    }
+    if ((row->commands & options->command) == 0)
+        return error_set(err, ERROR_USAGE, "%s is not an option of %s", row->name,
+                         command_name(options->command));
+    if (row->kind == KIND_FLAG && value != NULL)
+        return error_set(err, ERROR_USAGE, "%s takes no value", row->name);
+    if (row->kind != KIND_FLAG && value == NULL) {
+        if (*at + 1 >= argc)
+            return error_set(err, ERROR_USAGE, "%s needs a %s", row->name, row->argument);
+        value = argv[++*at];
+    }
+    options->given |= (uint64_t)1 << row->id;
+    return store_value(options, row, value, err);
+}
+
+/* --- the whole line ---------------------------------------------------------------------------- */
+
+static bool options_agree(const Options *options, Error *err)
+{
+    const bool own_view = options_given(options, OPTION_TARGET) ||
+                          options_given(options, OPTION_UP);
+    if (options->output != NULL && options->json != NULL && strcmp(options->output, "-") == 0 &&
+        strcmp(options->json, "-") == 0)
+        return error_set(err, ERROR_USAGE, "-o - and --json - cannot share standard output");
+    if (options_given(options, OPTION_PATCH_SIZE) && options_given(options, OPTION_PATCHES))
+        return error_set(err, ERROR_USAGE, "give --patch-size or --patches, not both");
+    if (options->camera != NULL && options_given(options, OPTION_EYE))
+        return error_set(err, ERROR_USAGE, "give --camera or --eye, not both");
+    if (own_view && !options_given(options, OPTION_EYE))
+        return error_set(err, ERROR_USAGE, "--target and --up belong to --eye");
+    return true;
+}
+
+bool options_parse(Options *options, int argc, char **argv, Error *err)
+{
+    assert(options != NULL && argc >= 1 && err != NULL);
+    *options = (Options){ .command = command_from_name(argv[0]), .quality = QUALITY_MEDIUM,
+                          .closure = CLOSURE_BOTH, .unit_m = 1, .argc = argc, .argv = argv };
+    if (options->command == COMMAND_NONE)
+        return error_set(err, ERROR_USAGE, "unknown command '%s'; see isolux --help", argv[0]);
+    bool options_end = false;
+    for (int i = 1; i < argc; i++) {
+        if (!options_end && strcmp(argv[i], "--") == 0)
+            options_end = true;
+        else if (!options_end && argv[i][0] == '-' && argv[i][1] != '\0') {
+            if (!parse_option(options, argv, argc, &i, err))
+                return false;
+        } else if (options->command == COMMAND_VALIDATE)
+            return error_set(err, ERROR_USAGE, "validate takes no scene ('%s')", argv[i]);
+        else if (options->scene != NULL)
+            return error_set(err, ERROR_USAGE, "one scene at a time: '%s' and '%s'",
+                             options->scene, argv[i]);
+        else if (argv[i][0] == '\0')
+            return error_set(err, ERROR_USAGE, "the scene's name is empty");
+        else
+            options->scene = argv[i];
+    }
+    if (options->help)
+        return true;
+    const bool optional = options->command == COMMAND_VALIDATE ||
+                          options->command == COMMAND_BENCH || options->print_config;
+    if (options->scene == NULL && !optional)
+        return error_set(err, ERROR_USAGE, "which scene? isolux %s SCENE; see isolux %s --help",
+                         argv[0], argv[0]);
+    return options_agree(options, err);
+}

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* app/options.h -- the command line: one table of options, parsed into one struct.
+ *
+ * Zero in a field means "not given"; quality.h fills in what the chosen quality says.
+ */
+#ifndef APP_OPTIONS_H
+#define APP_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+#include "base/error.h"
+#include "math/vec3.h"
+
+/* One bit each, so that an option can say where it belongs. */
+typedef enum {
+    COMMAND_NONE = 0,
+    COMMAND_RENDER = 1 << 0,
+    COMMAND_SOLVE = 1 << 1,
+    COMMAND_FACTORS = 1 << 2,
+    COMMAND_MEASURE = 1 << 3,
+    COMMAND_CHECK = 1 << 4,
+    COMMAND_VALIDATE = 1 << 5,
+    COMMAND_BENCH = 1 << 6
+} Command;
+
+/* The order of these is the order of the words in the option's table row. */
+typedef enum { QUALITY_DRAFT, QUALITY_MEDIUM, QUALITY_HIGH, QUALITY_FINAL } QualityLevel;
+typedef enum { PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_JSON, PROGRESS_NONE } ProgressStyle;
+typedef enum { BY_GROUP, BY_MATERIAL, BY_PATCH } FactorsBy;
+typedef enum { UNITS_PHOTOMETRIC, UNITS_RADIOMETRIC } Units;
+typedef enum { USE_AUTO, USE_FRONT, USE_BOTH } UseSides;
+
+typedef enum {
+    OPTION_OUTPUT,
+    OPTION_JSON,
+    OPTION_QUALITY,
+    OPTION_PRINT_CONFIG,
+    OPTION_THREADS,
+    OPTION_SEED,
+    OPTION_PROGRESS,
+    OPTION_MAX_MEMORY,
+    OPTION_TIME_LIMIT,
+    OPTION_PATCH_SIZE,
+    OPTION_PATCHES,
+    OPTION_RAYS,
+    OPTION_LAMP_RAYS,
+    OPTION_CLOSURE,
+    OPTION_SOLVER,
+    OPTION_TOLERANCE,
+    OPTION_MAX_ITERATIONS,
+    OPTION_SIZE,
+    OPTION_SPP,
+    OPTION_GATHER_RAYS,
+    OPTION_EXPOSURE,
+    OPTION_CAMERA,
+    OPTION_EYE,
+    OPTION_TARGET,
+    OPTION_UP,
+    OPTION_FOV,
+    OPTION_DIFFUSE,
+    OPTION_BY,
+    OPTION_POINTS,
+    OPTION_LIGHT,
+    OPTION_EMIT,
+    OPTION_SIDES,
+    OPTION_UNITS,
+    OPTION_UNIT_M,
+    OPTION_FILTER,
+    OPTION_HELP,
+    OPTION_COUNT
+} OptionId;
+
+typedef struct Options {
+    Command     command;
+    const char *scene;       /* NULL: none given */
+    uint64_t    given;       /* bit OptionId: it was on the command line */
+    const char *output, *json, *camera, *points, *filter;
+    int         quality, progress, closure, solver, by, emit, sides, units, light;
+    bool        print_config, diffuse, help;
+    uint32_t    threads, seed, patches, rays, lamp_rays, max_iterations, spp, gather_rays;
+    uint64_t    max_memory;  /* bytes */
+    double      time_limit;  /* seconds */
+    double      patch_size, tolerance, fov, unit_m;
+    double      exposure;    /* EV; meaningful only when exposure_set */
+    bool        exposure_set;
+    int         size[2];     /* width, height */
+    Vec3        eye, target, up;
+    int         argc;        /* the whole command line, for records */
+    char      **argv;
+} Options;
+
+typedef enum {
+    KIND_FLAG,     /* bool */
+    KIND_TEXT,     /* const char * */
+    KIND_COUNT,    /* uint32_t within low..high */
+    KIND_NUMBER,   /* double within low..high */
+    KIND_BYTES,    /* uint64_t: 512MB */
+    KIND_SECONDS,  /* double: 30s 5min */
+    KIND_CHOICE,   /* int: position in the list of words */
+    KIND_PIXELS,   /* int[2]: 640x480 */
+    KIND_VECTOR,   /* Vec3: x,y,z */
+    KIND_EXPOSURE  /* double EV, or the word auto */
+} OptionKind;
+
+typedef struct {
+    OptionId    id;
+    const char *name;      /* with its dashes */
+    const char *argument;  /* NULL: takes none */
+    unsigned    commands;  /* Command bits */
+    OptionKind  kind;
+    size_t      offset;    /* of the field in Options */
+    double      low, high;
+    const char *words;     /* choices, comma between */
+    const char *help;
+} OptionRow;
+
+/* The table, [OPTION_COUNT] in the order of OptionId. */
+const OptionRow *options_table(void);
+
+/* Fills *options from the words after the program's name.
+ * fails  false and ERROR_USAGE with one sentence. */
+bool options_parse(Options *options, int argc, char **argv, Error *err);
+
+static inline bool options_given(const Options *options, OptionId id)
+{
+    return (options->given >> id & 1) != 0;
+}
+
+/* Name of a command, or NULL; and back (COMMAND_NONE: no such command). */
+const char *command_name(Command command);
+Command     command_from_name(const char *name);
+
+/* --- values: each reads the whole text or fails without touching *value ------------------------ */
+
+bool value_number(const char *text, double *value);
+bool value_count(const char *text, uint32_t *value);
+bool value_bytes(const char *text, uint64_t *value);
+bool value_seconds(const char *text, double *value);
+bool value_pixels(const char *text, int value[2]);
+bool value_vector(const char *text, Vec3 *value);
+/* Position of a word in "a,b,c", or -1. */
+int value_choice(const char *text, const char *words);
+/* The word at a position of "a,b,c" into out. */
+void value_word(const char *words, int position, char *out, size_t size);
+
+/* How many letters must change to make b of a [levenshtein66]; at least `limit` when longer. */
+unsigned word_distance(const char *a, const char *b, unsigned limit);
+
+/* --- help -------------------------------------------------------------------------------------- */
+
+void help_program(FILE *out);
+void help_command(FILE *out, Command command);
+void help_version(FILE *out);
+
+#endif

@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Values of options: numbers, sizes, times and words, always read to their last letter. */
+#include <assert.h>
+#include <ctype.h>
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "app/options.h"
+
+/* A number at the start of text, and where it ends. strtod alone would also take "nan", "inf",
+ * hexadecimal and leading blanks. */
+static bool number_prefix(const char *text, double *value, const char **end)
+{
+    const char *p = text + (*text == '-' || *text == '+');
+    if (!isdigit((unsigned char)*p) && !(*p == '.' && isdigit((unsigned char)p[1])))
+        return false;
+    if (p[0] == '0' && (p[1] == 'x' || p[1] == 'X'))
+        return false;
+    char *stop = NULL;
+    errno = 0;
+    const double v = strtod(text, &stop);
+    if (!isfinite(v))
+        return false;
+    *value = v;
+    *end = stop;
+    return true;
+}
+
+bool value_number(const char *text, double *value)
+{
+    assert(text != NULL && value != NULL);
+    const char *end = NULL;
+    double v = 0;
+    if (!number_prefix(text, &v, &end) || *end != '\0')
+        return false;
+    *value = v;
+    return true;
+}
+
+bool value_count(const char *text, uint32_t *value)
+{
+    assert(text != NULL && value != NULL);
+    uint64_t v = 0;
+    if (*text == '\0')
+        return false;
+    for (const char *p = text; *p != '\0'; p++) {
+        if (!isdigit((unsigned char)*p))
+            return false;
+        v = v * 10 + (uint64_t)(*p - '0');
+        if (v > UINT32_MAX)
+            return false;
+    }
+    *value = (uint32_t)v;
+    return true;
+}
+
+/* 512MB, 2G, 1.5 GiB, 100000: powers of 1024, as memory is counted. */
+bool value_bytes(const char *text, uint64_t *value)
+{
+    assert(text != NULL && value != NULL);
+    static const struct {
+        const char *unit;
+        double      factor;
+    } units[] = { { "", 1 }, { "B", 1 }, { "K", 0x1p10 }, { "KB", 0x1p10 }, { "KiB", 0x1p10 },
+                  { "M", 0x1p20 }, { "MB", 0x1p20 }, { "MiB", 0x1p20 }, { "G", 0x1p30 },
+                  { "GB", 0x1p30 }, { "GiB", 0x1p30 }, { "T", 0x1p40 }, { "TB", 0x1p40 },
+                  { "TiB", 0x1p40 } };
+    const char *end = NULL;
+    double v = 0;
+    if (!number_prefix(text, &v, &end) || v < 0)
+        return false;
+    end += *end == ' ';
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        if (strcasecmp(end, units[i].unit) == 0) {
+            if (v * units[i].factor >= 0x1p63)
+                return false;
+            *value = (uint64_t)(v * units[i].factor);
+            return true;
+        }
+    return false;
+}
+
+bool value_seconds(const char *text, double *value)
+{
+    assert(text != NULL && value != NULL);
+    static const struct {
+        const char *unit;
+        double      factor;
+    } units[] = { { "", 1 }, { "s", 1 }, { "sec", 1 }, { "min", 60 }, { "m", 60 }, { "h", 3600 },
+                  { "ms", 0.001 } };
+    const char *end = NULL;
+    double v = 0;
+    if (!number_prefix(text, &v, &end) || v < 0)
+        return false;
+    end += *end == ' ';
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        if (strcasecmp(end, units[i].unit) == 0) {
+            *value = v * units[i].factor;
+            return true;
+        }
+    return false;
+}
+
+bool value_pixels(const char *text, int value[2])
+{
+    assert(text != NULL && value != NULL);
+    enum { LARGEST = 65536 };
+    const char *cross = strpbrk(text, "xX");
+    char width[16];
+    uint32_t w = 0, h = 0;
+    if (cross == NULL || (size_t)(cross - text) >= sizeof width)
+        return false;
+    memcpy(width, text, (size_t)(cross - text));
+    width[cross - text] = '\0';
+    if (!value_count(width, &w) || !value_count(cross + 1, &h) || w < 1 || h < 1 || w > LARGEST ||
+        h > LARGEST)
+        return false;
+    value[0] = (int)w;
+    value[1] = (int)h;
+    return true;
+}
+
+bool value_vector(const char *text, Vec3 *value)
+{
+    assert(text != NULL && value != NULL);
+    double v[3];
+    for (int axis = 0; axis < 3; axis++) {
+        const char *end = NULL;
+        if (!number_prefix(text, &v[axis], &end) || *end != (axis < 2 ? ',' : '\0'))
+            return false;
+        text = end + 1;
+    }
+    *value = vec3(v[0], v[1], v[2]);
+    return true;
+}
+
+int value_choice(const char *text, const char *words)
+{
+    assert(text != NULL && words != NULL);
+    const size_t length = strlen(text);
+    int position = 0;
+    for (const char *p = words; p != NULL; position++) {
+        const char *comma = strchr(p, ',');
+        const size_t size = comma != NULL ? (size_t)(comma - p) : strlen(p);
+        if (size == length && memcmp(p, text, size) == 0)
+            return position;
+        p = comma != NULL ? comma + 1 : NULL;
+    }
+    return -1;
+}
+
+void value_word(const char *words, int position, char *out, size_t size)
+{
+    assert(words != NULL && position >= 0 && size > 0);
+    for (; position > 0 && strchr(words, ',') != NULL; position--)
+        words = strchr(words, ',') + 1;
+    size_t n = strcspn(words, ",");
+    if (n >= size)
+        n = size - 1;
+    memcpy(out, words, n);
+    out[n] = '\0';
+}
+
+unsigned word_distance(const char *a, const char *b, unsigned limit)
+{
+    enum { LONGEST = 32 };
+    const size_t n = strlen(a), m = strlen(b);
+    unsigned row[LONGEST + 1];
+    if (n > LONGEST || m > LONGEST)
+        return limit;
+    for (size_t j = 0; j <= m; j++)
+        row[j] = (unsigned)j;
+    for (size_t i = 1; i <= n; i++) {
+        unsigned diagonal = row[0];
+        row[0] = (unsigned)i;
+        for (size_t j = 1; j <= m; j++) {
+            const unsigned change = diagonal + (a[i - 1] != b[j - 1]);
+            diagonal = row[j];
+            const unsigned step = 1 + (row[j] < row[j - 1] ? row[j] : row[j - 1]);
+            row[j] = change < step ? change : step;
+        }
+    }
+    return row[m] < limit ? row[m] : limit;
+}

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What draft, medium, high and final stand for. */
+#include "app/quality.h"
+
+#include <assert.h>
+
+#include "base/parallel.h"
+
+typedef struct {
+    uint32_t patches, rays, lamp_rays, spp, gather_rays, point_rays;
+    double   tolerance;
+} Level;
+
+/* Each step takes about four times as long as the one before and halves the noise. Light is read
+ * off the patches one bounce away from the eye, so they may be coarse; pixels may not be noisy. */
+static const Level levels[] = {
+    [QUALITY_DRAFT] = { 2500, 128, 32, 16, 2, 1024, 1e-3 },
+    [QUALITY_MEDIUM] = { 10000, 256, 64, 64, 4, 4096, 1e-5 },
+    [QUALITY_HIGH] = { 20000, 512, 128, 256, 4, 16384, 1e-6 },
+    [QUALITY_FINAL] = { 40000, 1024, 256, 1024, 4, 65536, 1e-6 },
+};
+
+Settings quality_settings(const Options *options)
+{
+    assert(options->quality >= QUALITY_DRAFT && options->quality <= QUALITY_FINAL);
+    const Level *level = &levels[options->quality];
+    const bool points = options->command == COMMAND_MEASURE;
+    Settings s = { .patches = level->patches, .rays = level->rays, .lamp_rays = level->lamp_rays,
+                   .closure = (Closure)options->closure, .solver = (Solver)options->solver,
+                   .tolerance = level->tolerance, .max_iterations = options->max_iterations,
+                   .spp = level->spp, .threads = options->threads, .seed = options->seed,
+                   .gather_rays = points ? level->point_rays : level->gather_rays };
+    if (options->patches > 0)
+        s.patches = options->patches;
+    if (options->patch_size > 0) {
+        s.patch_size = options->patch_size;
+        s.patches = 0;
+    }
+    if (options->rays > 0) {
+        s.rays = options->rays;
+        s.lamp_rays = options->rays / 4 > 0 ? options->rays / 4 : 1;
+    }
+    if (options->lamp_rays > 0)
+        s.lamp_rays = options->lamp_rays;
+    if (options->tolerance > 0)
+        s.tolerance = options->tolerance;
+    if (options->spp > 0)
+        s.spp = options->spp;
+    if (options->gather_rays > 0)
+        s.gather_rays = options->gather_rays;
+    return s;
+}
+
+static void print_choice(FILE *out, OptionId id, int value)
+{
+    const OptionRow *row = &options_table()[id];
+    char word[32];
+    value_word(row->words, value, word, sizeof word);
+    fprintf(out, "%s %s\n", row->name + 2, word);
+}
+
+static void print_value(FILE *out, const Options *options, OptionId id, double value)
+{
+    const OptionRow *row = &options_table()[id];
+    if ((row->commands & (unsigned)options->command) != 0 && value > 0)
+        fprintf(out, "%s %.12g\n", row->name + 2, value);
+}
+
+void quality_print(FILE *out, const Options *options, const Settings *s)
+{
+    const unsigned command = (unsigned)options->command;
+    print_choice(out, OPTION_QUALITY, options->quality);
+    print_value(out, options, OPTION_PATCH_SIZE, s->patch_size);
+    print_value(out, options, OPTION_PATCHES, s->patches);
+    print_value(out, options, OPTION_RAYS, s->rays);
+    print_value(out, options, OPTION_LAMP_RAYS, s->lamp_rays);
+    print_choice(out, OPTION_CLOSURE, (int)s->closure);
+    if ((options_table()[OPTION_SOLVER].commands & command) != 0)
+        print_choice(out, OPTION_SOLVER, (int)s->solver);
+    print_value(out, options, OPTION_TOLERANCE, s->tolerance);
+    print_value(out, options, OPTION_MAX_ITERATIONS, s->max_iterations);
+    print_value(out, options, OPTION_SPP, s->spp);
+    print_value(out, options, OPTION_GATHER_RAYS, s->gather_rays);
+    print_choice(out, OPTION_EMIT, options->emit);
+    print_choice(out, OPTION_SIDES, options->sides);
+    print_choice(out, OPTION_UNITS, options->units);
+    if ((options_table()[OPTION_LIGHT].commands & command) != 0)
+        print_choice(out, OPTION_LIGHT, options->light);
+    print_value(out, options, OPTION_UNIT_M, options->unit_m);
+    fprintf(out, "threads %u\nseed %u\n", parallel_threads(s->threads), s->seed);
+}

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* app/quality.h -- the one knob: what a quality level stands for, with the finer options over it. */
+#ifndef APP_QUALITY_H
+#define APP_QUALITY_H
+
+#include <stdio.h>
+
+#include "app/options.h"
+#include "radiosity/links.h"
+#include "radiosity/solve.h"
+
+typedef struct {
+    double   patch_size;     /* scene units; 0: from patches */
+    uint32_t patches;
+    uint32_t rays, lamp_rays;
+    Closure  closure;
+    Solver   solver;
+    double   tolerance;
+    uint32_t max_iterations; /* 0: no limit */
+    uint32_t spp;
+    uint32_t gather_rays;    /* per camera ray; for measure: per point */
+    unsigned threads;        /* 0: one per core */
+    uint32_t seed;
+} Settings;
+
+Settings quality_settings(const Options *options);
+
+/* `name value` lines of what the command uses; values read back by the options of those names. */
+void quality_print(FILE *out, const Options *options, const Settings *settings);
+
+#endif
