@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* base/array.h -- checked allocation.
  *
  * Every allocation of the library passes here, so that a test can make each one fail in turn and

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* base/error.h -- what went wrong in the world: a code, a sentence, the place.
  *
  * An Error belongs to the caller and starts as { 0 }. The first failure is kept: every creator

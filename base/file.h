@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* base/file.h -- whole files in, whole files out: a reader never sees half of one.
  *
  * Writing goes to a temporary file beside the target, is flushed to disk, and is renamed over it.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* base/monitor.h -- how long work tells where it is, what it noticed, and learns that it must stop.
  *
  * The library never prints: it calls back. A NULL Monitor, or a NULL callback, is silent and never

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* base/parallel.h -- a loop over all cores whose result does not depend on how many there are.
  *
  * The range is cut into chunks of a fixed length; threads take chunks in order. What a chunk

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* math/affine.h -- affine maps: p -> M p + t. */
 #ifndef MATH_AFFINE_H
 #define MATH_AFFINE_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* math/light.h -- point and spot lights: intensity I in a direction, irradiance H = I cos / d^2.
  *
  * Units    intensity in cd (lm/sr) or W/sr, as the scene says; distances in scene units, so that

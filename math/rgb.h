@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* math/rgb.h -- three bands of light, linear, BT.709 primaries. */
 #ifndef MATH_RGB_H
 #define MATH_RGB_H

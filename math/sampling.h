@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* math/sampling.h -- scrambled low-discrepancy points and the maps that use them.
  *
  * Everything is a function of (index, seed): no state, so the same numbers whatever thread asks.
@@ -29,7 +30,8 @@ void sampling_sobol2(uint32_t index, uint32_t seed, float out[2]);
 Vec3 sampling_cosine(double a, double b);
 /* Uniform point of the unit disc, concentric map. */
 void sampling_disc(double a, double b, double *x, double *y);
-/* Uniform barycentric weights (of corners 1 and 2) in a triangle, without folding the square. */
+/* Uniform barycentric weights (of corners 1 and 2) in a triangle, without folding the square
+ * [heitz19]. */
 void sampling_triangle(double a, double b, double *u, double *v);
 /* Uniform direction on the sphere. */
 Vec3 sampling_sphere(double a, double b);

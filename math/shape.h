@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* math/shape.h -- exact curved surfaces: rays meet them as they are, patches lie on them.
  *
  * A shape is a unit form in its own space and an affine map to the world, so that ellipsoids,
@@ -12,8 +13,9 @@
  *
  * Normals point out of the solid (disc: along +z of its space), also under mirroring maps.
  * Units    scene units. Rays are double: quadrics and quartics lose too much in float.
- * Method   torus: quartic by Sturm-free bracketing and Newton in double after moving the origin to
- *          the closest approach, which keeps the coefficients small [hart, "sphere tracing" idea].
+ * Method   rays are moved to the point nearest to the centre, so that coefficients stay small; torus:
+ *          the quartic's turning points bracket its roots, Newton with bisection finds them on the
+ *          distance to the ring, which does not cancel for thin tubes.
  */
 #ifndef MATH_SHAPE_H
 #define MATH_SHAPE_H

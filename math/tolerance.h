@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* math/tolerance.h -- every tolerance of the project, with its unit and where it comes from. */
 #ifndef MATH_TOLERANCE_H
 #define MATH_TOLERANCE_H

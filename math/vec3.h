@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* math/vec3.h -- three doubles, by value. */
 #ifndef MATH_VEC3_H
 #define MATH_VEC3_H

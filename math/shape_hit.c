@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Rays against curved shapes: in the space of the unit form, where they are quadrics or a torus.
+ *
+ * The ray's own parameter survives the affine map. Its origin is first moved to the point nearest
+ * to the form's centre: the equations then have small coefficients however far the eye is, and
+ * only the last addition rounds at the size of t. */
+#include <assert.h>
+#include <stddef.h>
+
+#include "math/internal.h"
+#include "math/shape.h"
+
+typedef struct {
+    Vec3   origin, direction; /* local; origin is the point nearest to the form's centre */
+    double square;            /* of the direction's length */
+    double shift;             /* t of that origin */
+    double s_min, s_max;      /* the allowed range, counted from there */
+} LocalRay;
+
+/* Each returns whether there is a hit, and its s. */
+static bool sphere_first(const LocalRay *ray, double *s)
+{
+    const double c = 1 - vec3_dot(ray->origin, ray->origin);
+
+    if (!(c >= 0))
+        return false;
+    const double half = sqrt(c / ray->square); /* half the chord: origin is its middle */
+    *s = -half > ray->s_min ? -half : half;
+    return *s > ray->s_min && *s < ray->s_max;
+}
+
+static bool disc_first(const LocalRay *ray, double *s)
+{
+    *s = -ray->origin.z / ray->direction.z; /* a ray in the plane: infinite or NaN, no hit */
+    if (!(*s > ray->s_min && *s < ray->s_max))
+        return false;
+    const Vec3 p = vec3_mad(ray->origin, *s, ray->direction);
+    return p.x * p.x + p.y * p.y <= 1;
+}
+
+static bool frustum_valid(const LocalRay *ray, double s)
+{
+    const double z = ray->origin.z + s * ray->direction.z;
+    return s > ray->s_min && s < ray->s_max && z >= 0 && z <= 1;
+}
+
+static bool frustum_first(const LocalRay *ray, double ratio, double *s)
+{
+    const double k = ratio - 1;
+    const Vec3 o = ray->origin, d = ray->direction;
+    const double radius = 1 + k * o.z, growth = k * d.z;
+    const double a = d.x * d.x + d.y * d.y - growth * growth;
+    const double b = o.x * d.x + o.y * d.y - growth * radius;
+    const double c = o.x * o.x + o.y * o.y - radius * radius;
+    const double root = b * b - a * c;
+
+    if (!(root >= 0))
+        return false;
+    /* The two solutions without cancellation; a ray along a generator has a = 0 and its first
+     * one at infinity. 0 / 0 fails each comparison. */
+    const double q = -(b + copysign(sqrt(root), b));
+    const double s1 = fmin(q / a, c / q), s2 = fmax(q / a, c / q);
+    if (frustum_valid(ray, s1))
+        *s = s1;
+    else if (frustum_valid(ray, s2))
+        *s = s2;
+    else
+        return false;
+    return true;
+}
+
+static bool torus_unit_first(const LocalRay *ray, double tube, double *s)
+{
+    const double length = sqrt(ray->square);
+    const Vec3 unit = vec3_scale(ray->direction, 1 / length);
+
+    if (!torus_first(tube, ray->origin, unit, ray->s_min * length, ray->s_max * length, s))
+        return false;
+    *s /= length;
+    return *s > ray->s_min && *s < ray->s_max;
+}
+
+static bool local_first(const Shape *shape, const LocalRay *ray, double *s)
+{
+    switch (shape->kind) {
+    case SHAPE_SPHERE:
+        return sphere_first(ray, s);
+    case SHAPE_DISC:
+        return disc_first(ray, s);
+    case SHAPE_FRUSTUM:
+        return frustum_first(ray, shape->ratio, s);
+    case SHAPE_TORUS:
+        break;
+    }
+    return torus_unit_first(ray, shape->ratio, s);
+}
+
+bool shape_intersect(const Shape *shape, Vec3 origin, Vec3 direction, double t_min, double t_max,
+                     ShapeHit *hit)
+{
+    assert(shape != NULL && hit != NULL);
+    LocalRay ray = { .origin = affine_point(&shape->to_local, origin),
+                     .direction = affine_vector(&shape->to_local, direction) };
+    const Vec3 centre = vec3(0, 0, shape->kind == SHAPE_FRUSTUM ? 0.5 : 0);
+    double s;
+
+    ray.square = vec3_dot(ray.direction, ray.direction);
+    if (!(ray.square > 0))
+        return false;
+    ray.shift = vec3_dot(vec3_sub(centre, ray.origin), ray.direction) / ray.square;
+    ray.origin = vec3_mad(ray.origin, ray.shift, ray.direction);
+    ray.s_min = t_min - ray.shift;
+    ray.s_max = t_max - ray.shift;
+    if (!local_first(shape, &ray, &s))
+        return false;
+    const double t = ray.shift + s;
+    if (!(t > t_min && t < t_max)) /* the sum rounds */
+        return false;
+    hit->t = t;
+    shape_local_parameters(shape, vec3_mad(ray.origin, s, ray.direction), &hit->u, &hit->v);
+    return true;
+}
