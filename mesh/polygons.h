@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* mesh/polygons.h -- what a scene file gives: the polygon soup, the master copy of the geometry.
  *
  * Nothing here is welded, repaired or dropped. Every later thing (triangle, surface, patch) can say
@@ -23,6 +24,7 @@ typedef struct {
     Rgb    specular;       /* mirror-like or glossy reflectance, 0..1 */
     double exponent;       /* Phong exponent of the specular part; INFINITY: ideal mirror; 0: none given */
     Rgb    transmittance;  /* of a clear pane or body per crossing, 0: opaque */
+    Rgb    scattered;      /* diffuse transmittance, kept as read; no solver uses it yet */
     double ior;            /* index of refraction, 1: none */
     double importance;     /* MSD's IMPORTANCE, default 1 */
     bool   emits_both;     /* emission leaves both sides (a file may say so) */
@@ -50,6 +52,8 @@ typedef struct {
     size_t    material_count, material_capacity;
     char    **group_name;    /* [group_count]  unique names */
     size_t    group_count, group_capacity;
+    uint32_t *group_slot;    /* [group_slots]  hash table of the first group_hashed names, 0: free */
+    size_t    group_slots, group_hashed;
 } Polygons;
 
 /* An empty soup is { 0 }. All adders: false and ERROR_MEMORY (or ERROR_INPUT over 2^32 items);
@@ -64,6 +68,13 @@ bool polygons_add_shape(Polygons *soup, const Shape *shape, uint32_t material, u
 bool polygons_add_material(Polygons *soup, const Material *material, uint32_t *index, Error *err);
 /* Finds the group of that name or adds it. "" becomes "default". */
 bool polygons_add_group(Polygons *soup, const char *name, uint32_t *index, Error *err);
+
+/* Copies everything of `other` with its positions and shapes mapped; faces keep their outside when
+ * the map mirrors. material (an index of soup) and group replace those of other's faces; with
+ * UINT32_MAX other's own are added. The map must have an inverse (else ERROR_INPUT). On failure
+ * part of it may have been added. */
+bool polygons_append(Polygons *soup, const Polygons *other, const Affine *map, uint32_t material,
+                     uint32_t group, Error *err);
 
 /* Grey 0.5, nothing else. */
 Material material_default(void);
