@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Layers of a picture: allocation, and what a pixel holds before anything is known of it. */
+#include <assert.h>
+#include <math.h>
+
+#include "base/array.h"
+#include "render/internal.h"
+
+Image *image_create(int width, int height, Error *err)
+{
+    assert(err != NULL);
+    if (error_is_set(err))
+        return NULL;
+    if (width < 1 || height < 1 || width > IMAGE_SIDE_MAX || height > IMAGE_SIDE_MAX) {
+        error_set(err, ERROR_USAGE, "a picture of %d x %d pixels: sides must be 1 to %d", width,
+                  height, (int)IMAGE_SIDE_MAX);
+        return NULL;
+    }
+    Image *image = array_create(1, sizeof *image, "picture", err);
+    if (image == NULL)
+        return NULL;
+    const size_t n = (size_t)width * (size_t)height;
+    image->width = width;
+    image->height = height;
+    image->radiance = array_create(3 * n, sizeof(float), "picture layer", err);
+    image->direct = array_create(3 * n, sizeof(float), "picture layer", err);
+    image->indirect = array_create(3 * n, sizeof(float), "picture layer", err);
+    image->albedo = array_create(3 * n, sizeof(float), "picture layer", err);
+    image->irradiance = array_create(3 * n, sizeof(float), "picture layer", err);
+    image->normal = array_create(3 * n, sizeof(float), "picture layer", err);
+    image->depth = array_create(n, sizeof(float), "picture layer", err);
+    image->patch = array_create(n, sizeof(uint32_t), "picture layer", err);
+    if (error_is_set(err))
+        return image_destroy(image);
+    for (size_t i = 0; i < n; i++) {
+        image->depth[i] = INFINITY;
+        image->patch[i] = UINT32_MAX;
+    }
+    return image;
+}
+
+Image *image_destroy(Image *image)
+{
+    if (image == NULL)
+        return NULL;
+    array_free(image->radiance);
+    array_free(image->direct);
+    array_free(image->indirect);
+    array_free(image->albedo);
+    array_free(image->irradiance);
+    array_free(image->normal);
+    array_free(image->depth);
+    array_free(image->patch);
+    return array_free(image);
+}
