@@ -29,6 +29,14 @@ static inline double ray_offset(double largest_coordinate)
     return largest_coordinate * (double)rounding_bound_float(16);
 }
 
+/* Two positions no further apart than this mean one point, when the faces they belong to reach out
+ * to `largest` (max |coordinate|): files hold floats, a coordinate is off by half an ulp; an object
+ * placed by a transform in float adds three products and three sums, so 7 half-ulps; 8 are taken. */
+static inline double position_tolerance(double largest)
+{
+    return largest * (double)rounding_bound_float(8);
+}
+
 /* Unit normals whose cosine is above this lie in one smooth surface; below, the edge between them
  * is a crease: 30 degrees, the usual smoothing angle of modellers. */
 #define TOLERANCE_CREASE_COSINE 0.86602540378443865
