@@ -120,6 +120,8 @@ static bool target_find(OutFile *out, const char *path, mode_t *mode, Error *err
     struct stat info;
     const bool exists = stat(path, &info) == 0;
 
+    if (path[0] == 0)
+        return write_error(err, "\"\"", "the path is empty");
     if (exists && S_ISDIR(info.st_mode))
         return write_error(err, path, "it is a directory");
     if (strlen(path) >= sizeof out->target)
