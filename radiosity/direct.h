@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* radiosity/direct.h -- what point and spot lights send to patches: H = I cos / d^2, seen or not. */
 #ifndef RADIOSITY_DIRECT_H
 #define RADIOSITY_DIRECT_H

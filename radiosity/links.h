@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* radiosity/links.h -- who exchanges light with whom: form factors as compressed rows.
  *
  * F_ij is the share of what leaves patch i that arrives at patch j; over the parts of both that are
@@ -34,6 +35,7 @@ typedef struct {
     float    *form_factor;  /* [first[count]]  from receiver to source, in [0, 1] */
     float    *escape;       /* [count]  share of what leaves that meets nothing */
     double   *area;         /* [count]  visible area: the patch's area outside other solids */
+    uint8_t  *lamp;         /* [count]  1: its factors were sampled from its own side too; NULL: none */
     uint64_t  rays;         /* cast */
     double    seconds;
 } Links;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* radiosity/room.h -- the geometry light travels in, gathered from the stages below.
  *
  * A Room owns nothing: it points to what the caller keeps alive, and never changes while used.

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* radiosity/sides.h -- which sides of which surfaces light or eye can reach, found by rays.
  *
  * The inside of closed furniture and the outside of a room's walls take no part, whatever the

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* radiosity/solve.h -- from links to light: B = E + rho (H0 + F B).
  *
  * Knows no room: flat arrays in, flat arrays out, any number of bands.
@@ -47,7 +48,7 @@ typedef struct {
  * matrix' own column, so that all solvers solve the same system. Stopped by max_iterations or the
  * monitor, the result holds the ambient estimate for what was not shot.
  * owns   the caller frees with solution_destroy.
- * fails  NULL; ERROR_MEMORY. A stop by the monitor gives a solution with converged false. */
+ * fails  NULL; ERROR_MEMORY; ERROR_INPUT for values out of range. A stop by the monitor gives a solution with converged false. */
 Solution *solve(const Links *links, const SolveProblem *problem, const SolveOptions *options,
                 const Monitor *monitor, Error *err);
 Solution *solution_destroy(Solution *solution);
@@ -64,8 +65,10 @@ void solution_energy(const Solution *solution, const Links *links, const SolvePr
                      unsigned band, double light_flux, double light_escaped, Energy *energy);
 
 /* Area-weighted mean of the patches around each vertex: out [vertex_count * bands]. Creases, sides
- * and material borders are kept because vertices are split there. */
-void vertex_radiosity(const Patches *patches, const double *area, unsigned bands,
-                      const double *patch_value, double *out);
+ * and material borders are kept because vertices are split there. `area` is [patches->count]; a
+ * vertex whose patches all have area 0 (hidden inside solids) gets 0.
+ * fails  false and ERROR_MEMORY. */
+bool vertex_radiosity(const Patches *patches, const double *area, unsigned bands,
+                      const double *patch_value, double *out, Error *err);
 
 #endif

@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* radiosity/solve.c -- checks the problem, runs the solver asked for, measures what it reached. */
+#include "radiosity/solve.h"
+
+#include <assert.h>
+#include <float.h>
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/array.h"
+#include "base/parallel.h"
+#include "radiosity/internal.h"
+
+/* Rows a thread takes at a time: some 10^5 links, large beside the cost of handing out a chunk. */
+static const uint32_t ROW_CHUNK = 256;
+
+static const double DEFAULT_TOLERANCE = 1e-5;
+
+/* Iterations without any gain after which an iteration is taken to have reached its floor. */
+static const uint32_t STALL_ITERATIONS = 64;
+
+static const char *const SOLVER_NAMES[] = { "gauss-seidel", "jacobi", "progressive" };
+
+const char *solver_name(Solver solver)
+{
+    assert((unsigned)solver <= SOLVER_PROGRESSIVE);
+    return SOLVER_NAMES[solver];
+}
+
+bool solver_from_name(const char *name, Solver *solver)
+{
+    assert(name != NULL && solver != NULL);
+    for (unsigned k = 0; k <= SOLVER_PROGRESSIVE; k++)
+        if (strcmp(name, SOLVER_NAMES[k]) == 0) {
+            *solver = (Solver)k;
+            return true;
+        }
+    return false;
+}
+
+/* --- one application of the operator ---------------------------------------------------------- */
+
+static void gather_row_any(const SolveSystem *system, const double *radiosity, uint32_t patch,
+                           double *out)
+{
+    const Links *links = system->links;
+    const unsigned bands = system->bands;
+    const double *received = system->problem->received;
+    for (unsigned b = 0; b < bands; b++)
+        out[b] = received != NULL ? received[(size_t)patch * bands + b] : 0;
+    for (uint64_t k = links->first[patch]; k < links->first[patch + 1]; k++) {
+        const double *from = &radiosity[(size_t)links->source[k] * bands];
+        for (unsigned b = 0; b < bands; b++)
+            out[b] += links->form_factor[k] * from[b];
+    }
+}
+
+/* The same for three bands, the usual number, with the sums in registers. */
+static void gather_row_rgb(const SolveSystem *system, const double *radiosity, uint32_t patch,
+                           double *out)
+{
+    const Links *links = system->links;
+    const double *received = system->problem->received;
+    double r = 0, g = 0, b = 0;
+    for (uint64_t k = links->first[patch]; k < links->first[patch + 1]; k++) {
+        const double *from = &radiosity[(size_t)links->source[k] * 3];
+        const double f = links->form_factor[k];
+        r += f * from[0];
+        g += f * from[1];
+        b += f * from[2];
+    }
+    out[0] = r + (received != NULL ? received[(size_t)patch * 3] : 0);
+    out[1] = g + (received != NULL ? received[(size_t)patch * 3 + 1] : 0);
+    out[2] = b + (received != NULL ? received[(size_t)patch * 3 + 2] : 0);
+}
+
+void solve_gather_row(const SolveSystem *system, const double *radiosity, uint32_t patch,
+                      double *out)
+{
+    if (system->bands == 3)
+        gather_row_rgb(system, radiosity, patch, out);
+    else
+        gather_row_any(system, radiosity, patch, out);
+}
+
+typedef struct {
+    const SolveSystem *system;
+    const double      *radiosity;
+    double            *next, *irradiance;
+} Application;
+
+static void apply_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
+{
+    const Application *a = context;
+    const SolveSystem *system = a->system;
+    const unsigned bands = system->bands;
+    double *sum = &system->chunk_sum[(size_t)(begin / ROW_CHUNK) * bands];
+    (void)worker;
+    for (unsigned b = 0; b < bands; b++)
+        sum[b] = 0;
+    for (uint32_t i = begin; i < end; i++) {
+        const size_t at = (size_t)i * bands;
+        solve_gather_row(system, a->radiosity, i, &a->next[at]);
+        for (unsigned b = 0; b < bands; b++) {
+            const double received = a->next[at + b];
+            if (a->irradiance != NULL)
+                a->irradiance[at + b] = received;
+            a->next[at + b] = system->problem->emission[at + b] +
+                              system->problem->reflectance[at + b] * received;
+            sum[b] += system->links->area[i] * fabs(a->next[at + b] - a->radiosity[at + b]);
+        }
+    }
+}
+
+double solve_relative(const SolveSystem *system, const double *sum)
+{
+    double worst = 0;
+    for (unsigned b = 0; b < system->bands; b++)
+        if (system->power[b] > 0)
+            worst = fmax(worst, sum[b] / system->power[b]);
+    return worst;
+}
+
+double solve_apply(const SolveSystem *system, const double *radiosity, double *next,
+                   double *irradiance)
+{
+    Application a = { system, radiosity, next, irradiance };
+    const uint32_t count = system->links->count;
+    parallel_for(count, ROW_CHUNK, system->threads, apply_chunk, &a, NULL, NULL);
+    const size_t chunks = ((size_t)count + ROW_CHUNK - 1) / ROW_CHUNK;
+    for (size_t c = 1; c < chunks; c++)
+        for (unsigned b = 0; b < system->bands; b++)
+            system->chunk_sum[b] += system->chunk_sum[c * system->bands + b];
+    return count > 0 ? solve_relative(system, system->chunk_sum) : 0;
+}
+
+/* --- when to stop ----------------------------------------------------------------------------- */
+
+bool solve_stalled(SolveStall *stall, double residual)
+{
+    if (stall->since == 0 || residual < stall->best) {
+        stall->best = residual;
+        stall->since = 1;
+        return false;
+    }
+    return ++stall->since > STALL_ITERATIONS;
+}
+
+bool solve_report(const SolveSystem *system, double left)
+{
+    /* Residuals fall geometrically, so progress is the share of decades that is done. */
+    const double decades = log(fmax(system->tolerance, DBL_MIN));
+    const double done = left > 0 && left < 1 ? log(left) / decades : left > 0 ? 0 : 1;
+    const Progress progress = { .stage = "solve", .done = fmin(fmax(done, 0), 1),
+                                .energy_left = fmin(left, 1) };
+    monitor_progress(system->monitor, &progress);
+    return monitor_stop(system->monitor);
+}
+
+/* --- the problem ------------------------------------------------------------------------------ */
+
+static bool check_problem(const Links *links, const SolveProblem *problem, Error *err)
+{
+    const unsigned bands = problem->bands;
+    for (size_t k = 0; k < (size_t)links->count * bands; k++) {
+        const double rho = problem->reflectance[k], e = problem->emission[k];
+        const double h = problem->received != NULL ? problem->received[k] : 0;
+        if (!(rho >= 0 && rho < 1))
+            return error_set(err, ERROR_INPUT, "reflectance %g of patch %zu is not in [0, 1)", rho,
+                             k / bands);
+        if (!(e >= 0 && isfinite(e) && h >= 0 && isfinite(h)))
+            return error_set(err, ERROR_INPUT, "patch %zu: emission %g or irradiance %g from "
+                             "outside is negative or not finite", k / bands, e, h);
+    }
+    return true;
+}
+
+static void system_clear(SolveSystem *system)
+{
+    array_free(system->source);
+    array_free(system->power);
+    array_free(system->chunk_sum);
+}
+
+static bool system_init(SolveSystem *system, const Links *links, const SolveProblem *problem,
+                        const SolveOptions *options, const Monitor *monitor, Error *err)
+{
+    const size_t bands = problem->bands, count = links->count;
+    *system = (SolveSystem){
+        .links = links, .problem = problem, .monitor = monitor, .bands = problem->bands,
+        .threads = options->threads,
+        .tolerance = options->tolerance > 0 ? options->tolerance : DEFAULT_TOLERANCE,
+        .max_iterations = options->max_iterations > 0 ? options->max_iterations : UINT32_MAX,
+    };
+    if (!check_problem(links, problem, err))
+        return false;
+    system->source = array_create(count * bands, sizeof *system->source, "the system", err);
+    system->power = array_create(bands, sizeof *system->power, "the system", err);
+    system->chunk_sum = array_create((count / ROW_CHUNK + 1) * bands, sizeof *system->chunk_sum,
+                                     "the system", err);
+    if (error_is_set(err))
+        return false;
+    for (size_t k = 0; k < count * bands; k++) {
+        const double received = problem->received != NULL ? problem->received[k] : 0;
+        system->source[k] = problem->emission[k] + problem->reflectance[k] * received;
+        system->power[k % bands] += links->area[k / bands] * system->source[k];
+    }
+    return true;
+}
+
+static Solution *solution_create(uint32_t count, unsigned bands, Error *err)
+{
+    Solution *solution = array_create(1, sizeof *solution, "a solution", err);
+    if (solution == NULL)
+        return NULL;
+    solution->count = count;
+    solution->bands = bands;
+    solution->radiosity = array_create((size_t)count * bands, sizeof(double), "radiosity", err);
+    solution->irradiance = array_create((size_t)count * bands, sizeof(double), "irradiance", err);
+    return error_is_set(err) ? solution_destroy(solution) : solution;
+}
+
+Solution *solution_destroy(Solution *solution)
+{
+    if (solution == NULL)
+        return NULL;
+    array_free(solution->radiosity);
+    array_free(solution->irradiance);
+    return array_free(solution);
+}
+
+static bool run(const SolveSystem *system, const SolveOptions *options, Solution *solution,
+                Error *err)
+{
+    switch (options->solver) {
+    case SOLVER_JACOBI:
+        return solve_jacobi(system, solution, err);
+    case SOLVER_GAUSS_SEIDEL:
+        return solve_gauss_seidel(system, solution, err);
+    case SOLVER_PROGRESSIVE:
+        return solve_progressive(system, !options->no_ambient, solution, err);
+    }
+    assert(!"a solver that exists");
+    return false;
+}
+
+Solution *solve(const Links *links, const SolveProblem *problem, const SolveOptions *options,
+                const Monitor *monitor, Error *err)
+{
+    if (error_is_set(err))
+        return NULL;
+    assert(links != NULL && problem != NULL && options != NULL);
+    assert(problem->bands > 0 && problem->emission != NULL && problem->reflectance != NULL);
+    struct timespec start, end;
+    clock_gettime(CLOCK_MONOTONIC, &start);
+
+    SolveSystem system;
+    Solution *solution = NULL;
+    if (system_init(&system, links, problem, options, monitor, err))
+        solution = solution_create(links->count, problem->bands, err);
+    if (solution != NULL && run(&system, options, solution, err)) {
+        /* The same measure for all, taken from the result itself; source is not needed any more. */
+        solution->residual =
+            solve_apply(&system, solution->radiosity, system.source, solution->irradiance);
+        solution->converged = solution->residual <= system.tolerance;
+    } else {
+        solution = solution_destroy(solution);
+    }
+    system_clear(&system);
+    if (solution != NULL) {
+        clock_gettime(CLOCK_MONOTONIC, &end);
+        solution->seconds = (double)(end.tv_sec - start.tv_sec) +
+                            1e-9 * (double)(end.tv_nsec - start.tv_nsec);
+    }
+    return solution;
+}
+
+void solution_energy(const Solution *solution, const Links *links, const SolveProblem *problem,
+                     unsigned band, double light_flux, double light_escaped, Energy *energy)
+{
+    assert(solution->count == links->count && band < solution->bands);
+    assert(solution->bands == problem->bands);
+    *energy = (Energy){ .emitted = light_flux, .escaped = light_escaped };
+    for (uint32_t i = 0; i < links->count; i++) {
+        const size_t at = (size_t)i * problem->bands + band;
+        const double area = links->area[i];
+        energy->emitted += area * problem->emission[at];
+        energy->absorbed += area * (1 - problem->reflectance[at]) * solution->irradiance[at];
+        energy->escaped += area * links->escape[i] * solution->radiosity[at];
+    }
+    if (energy->emitted > 0)
+        energy->error =
+            fabs(energy->emitted - energy->absorbed - energy->escaped) / energy->emitted;
+}
