@@ -1,12 +1,14 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* raycast/bvh.h -- a tree of boxes over triangles and curved shapes: nearest hit, and who sees whom.
  *
  * Knows    base/ and math/. Primitive i is the number i: no mesh, patch or material here.
  * Units    scene units; a hit's t counts in lengths of the ray's direction.
- * Method   build: binned surface-area heuristic [wald07], nodes of 4 children; triangle test:
- *          watertight [woop13]; shapes: exact, in double.
+ * Method   build: binned surface-area heuristic [wald07], nodes of 8 children; triangle test:
+ *          watertight [woop13]; shapes: exact, in double. Vertices are rounded to float.
  * Ties     of two hits at exactly the same t the smaller primitive number wins, so the answer does
  *          not depend on the tree.
- * NaN      a ray with a NaN or infinity in origin or direction misses everything.
+ * NaN      a ray with a NaN or infinity in origin or direction misses everything; so does one
+ *          without direction, or with an origin beyond 2^40.
  * Threads  a finished Bvh never changes: query it from any thread, without locks.
  */
 #ifndef RAYCAST_BVH_H
@@ -31,7 +33,8 @@ typedef struct Bvh Bvh;
 
 /* A triangle without area is kept and never hit; no primitives at all make a valid, empty tree.
  * owns   the caller gets the tree; `primitives` is copied, not kept.
- * fails  NULL; ERROR_MEMORY; ERROR_INPUT for a corner out of range or a position not finite. */
+ * fails  NULL; ERROR_MEMORY; ERROR_INPUT for a corner out of range or a position not finite or
+ *        beyond 2^40; ERROR_USAGE when ISOLUX_ISA names a kernel that is not there. */
 Bvh *bvh_create(const Primitives *primitives, unsigned threads, Error *err);
 Bvh *bvh_destroy(Bvh *bvh);
 
@@ -40,6 +43,10 @@ typedef struct {
     double   seconds;
 } BvhStats;
 void bvh_stats(const Bvh *bvh, BvhStats *stats);
+
+/* The kernel that walks this tree: "avx2", "sse2" or "scalar"; the best the processor has, unless
+ * the environment variable ISOLUX_ISA named one when the tree was made. All give the same answers. */
+const char *bvh_isa(const Bvh *bvh);
 
 /* Nearest hit: true and *hit; else false and hit->primitive = RAY_MISS.
  * hot    checks nothing in release builds. */

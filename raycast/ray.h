@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* raycast/ray.h -- rays and hits. */
 #ifndef RAYCAST_RAY_H
 #define RAYCAST_RAY_H

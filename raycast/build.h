@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* raycast/build.h -- what the files that build a tree share: boxes, references, ranges.
+ *
+ * bvh_refs.c   primitives -> references (a box and a number), input checked
+ * bvh_split.c  where to cut a range of references, and the cutting
+ * bvh_build.c  ranges -> nodes and groups, subtrees in parallel, all put together
+ */
+#ifndef RAYCAST_BUILD_H
+#define RAYCAST_BUILD_H
+
+#include "base/parallel.h"
+#include "raycast/internal.h"
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
+/* Four floats that compilers keep in one register; the fourth is of no meaning in a box. */
+typedef float Float4 __attribute__((vector_size(16)));
+
+static inline Float4 float4_min(Float4 a, Float4 b)
+{
+#ifdef __SSE2__
+    return (Float4)_mm_min_ps((__m128)a, (__m128)b);
+#else
+    for (int k = 0; k < 4; k++)
+        a[k] = a[k] < b[k] ? a[k] : b[k];
+    return a;
+#endif
+}
+static inline Float4 float4_max(Float4 a, Float4 b)
+{
+#ifdef __SSE2__
+    return (Float4)_mm_max_ps((__m128)a, (__m128)b);
+#else
+    for (int k = 0; k < 4; k++)
+        a[k] = a[k] > b[k] ? a[k] : b[k];
+    return a;
+#endif
+}
+
+typedef struct {
+    Float4 lo, hi;
+} Box;
+
+static inline Box box_empty(void)
+{
+    const float inf = INFINITY;
+    return (Box){ { inf, inf, inf, inf }, { -inf, -inf, -inf, -inf } };
+}
+static inline Box box_join(Box a, Box b)
+{
+    return (Box){ float4_min(a.lo, b.lo), float4_max(a.hi, b.hi) };
+}
+static inline Box box_point(Box a, Float4 p)
+{
+    return (Box){ float4_min(a.lo, p), float4_max(a.hi, p) };
+}
+/* Half the surface; 0 for the empty box. */
+static inline float box_area(Box a)
+{
+    const Float4 d = a.hi - a.lo;
+    return d[0] >= 0 ? d[0] * (d[1] + d[2]) + d[1] * d[2] : 0;
+}
+
+/* A primitive while the tree is built. */
+typedef struct {
+    float    lo[3];
+    uint32_t primitive;
+    float    hi[3];
+    uint32_t unused; /* 0: both halves are loaded as Float4 */
+} Ref;
+
+static inline Box ref_box(const Ref *ref)
+{
+    Box box;
+    __builtin_memcpy(&box.lo, ref->lo, sizeof box.lo);
+    __builtin_memcpy(&box.hi, ref->hi, sizeof box.hi);
+    return box;
+}
+/* Twice the middle of the box; the fourth number is 0. */
+static inline Float4 box_centre(Box box)
+{
+    Float4 sum = box.lo + box.hi;
+    sum[3] = 0;
+    return sum;
+}
+
+/* --- bvh_refs.c -------------------------------------------------------------------------------- */
+
+/* References of all primitives but triangles without area, in order; *count of them.
+ * owns   the caller frees with array_free.
+ * fails  NULL; ERROR_MEMORY; ERROR_INPUT as bvh_create says. */
+Ref *refs_create(const Primitives *in, unsigned threads, uint32_t *count, Error *err);
+
+/* --- bvh_split.c ------------------------------------------------------------------------------- */
+
+typedef struct {
+    int   axis;   /* SPLIT_HALVES: cut the range in the middle, no order; SPLIT_NONE: a leaf */
+    int   bin;    /* bins below this go to the left */
+    int   bins;
+} Split;
+
+#define SPLIT_HALVES (-1)
+#define SPLIT_NONE (-2)
+
+typedef struct {
+    uint32_t begin, end;
+    uint32_t depth;  /* cuts above it */
+    Box      box;    /* around the primitives */
+    Box      centre; /* around twice their middles */
+    Split    split;  /* what to do with it */
+} Range;
+
+/* References, room for a second copy (NULL: none), and who may help. */
+typedef struct {
+    Ref      *ref, *spare;
+    uint32_t  triangle_count; /* primitives from here on are shapes */
+    unsigned  threads;
+} RefSet;
+
+/* The whole of a set as a range, not yet decided. */
+Range range_all(const RefSet *set, uint32_t count);
+/* Fills range->split. */
+void range_decide(const RefSet *set, Range *range);
+/* Carries out range->split: left keeps the lower half of the numbers; both are decided.
+ * With `spare` and a long range all threads take part; the result does not depend on how many. */
+bool range_cut(RefSet *set, const Range *range, Range *left, Range *right, Error *err);
+
+/* --- bvh_build.c ------------------------------------------------------------------------------- */
+
+/* Fills node, group, counts and memory of *bvh; `ref` is reordered. */
+bool tree_build(Bvh *bvh, const Primitives *in, Ref *ref, uint32_t count, unsigned threads,
+                Error *err);
+
+#endif

@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The public face of the tree: making it, choosing the kernel, asking it. */
+#include "raycast/bvh.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/array.h"
+#include "raycast/build.h"
+#include "raycast/probe.h"
+
+static double seconds_now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* --- kernels ----------------------------------------------------------------------------------- */
+
+typedef struct {
+    const Kernel *kernel;
+    bool          usable;
+} KernelChoice;
+
+#define KERNELS 3
+
+/* The best first. */
+static void kernel_choices(KernelChoice choice[KERNELS])
+{
+    memset(choice, 0, KERNELS * sizeof *choice);
+    int n = 0;
+#ifdef ISOLUX_X86
+    __builtin_cpu_init();
+    choice[n].kernel = &kernel_avx2;
+    choice[n++].usable = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
+                         && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt");
+    choice[n++] = (KernelChoice){ &kernel_sse2, true };
+#endif
+    choice[n] = (KernelChoice){ &kernel_scalar, true };
+}
+
+static const Kernel *kernel_choose(Error *err)
+{
+    KernelChoice choice[KERNELS];
+    kernel_choices(choice);
+    const char *wish = getenv("ISOLUX_ISA");
+    const bool any = wish == NULL || wish[0] == '\0';
+    for (int i = 0; i < KERNELS; i++)
+        if (choice[i].usable && (any || strcmp(wish, choice[i].kernel->name) == 0))
+            return choice[i].kernel;
+    error_set(err, ERROR_USAGE, "ISOLUX_ISA: this processor or build has no \"%.40s\" "
+              "(there is avx2, sse2, scalar)", wish);
+    return NULL;
+}
+
+/* --- the tree ---------------------------------------------------------------------------------- */
+
+Bvh *bvh_create(const Primitives *primitives, unsigned threads, Error *err)
+{
+    assert(primitives != NULL && err != NULL);
+    assert(primitives->triangle_count == 0
+           || (primitives->corner != NULL && primitives->position != NULL));
+    assert(primitives->shape_count == 0 || primitives->shape != NULL);
+    if (error_is_set(err))
+        return NULL;
+    const double start = seconds_now();
+    const Kernel *kernel = kernel_choose(err);
+    Bvh *bvh = array_create(1, sizeof *bvh, "tree of boxes", err);
+    if (bvh == NULL)
+        return NULL;
+    uint32_t count = 0;
+    Ref *ref = refs_create(primitives, threads, &count, err);
+    if (ref == NULL)
+        return bvh_destroy(bvh);
+    bvh->kernel = kernel;
+    bvh->triangle_count = primitives->triangle_count;
+    bvh->flat_count = primitives->triangle_count + primitives->shape_count - count;
+    const bool good = tree_build(bvh, primitives, ref, count, threads, err);
+    array_free(ref);
+    bvh->seconds = seconds_now() - start;
+    return good ? bvh : bvh_destroy(bvh);
+}
+
+Bvh *bvh_destroy(Bvh *bvh)
+{
+    if (bvh != NULL)
+        array_free(bvh->memory);
+    return array_free(bvh);
+}
+
+void bvh_stats(const Bvh *bvh, BvhStats *stats)
+{
+    assert(bvh != NULL && stats != NULL);
+    *stats = (BvhStats){ .triangles = bvh->triangle_count, .shapes = bvh->shape_count,
+                         .nodes = bvh->node_count, .bytes = bvh->bytes + sizeof *bvh,
+                         .seconds = bvh->seconds };
+}
+
+const char *bvh_isa(const Bvh *bvh)
+{
+    assert(bvh != NULL);
+    return bvh->kernel->name;
+}
+
+/* --- queries ----------------------------------------------------------------------------------- */
+
+bool bvh_nearest(const Bvh *bvh, const Ray *ray, Hit *hit)
+{
+    assert(bvh != NULL && ray != NULL && hit != NULL);
+    return bvh->kernel->nearest(bvh, ray, hit);
+}
+
+bool bvh_blocked(const Bvh *bvh, const Ray *ray)
+{
+    assert(bvh != NULL && ray != NULL);
+    return bvh->kernel->blocked(bvh, ray);
+}
+
+void bvh_nearest_many(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count)
+{
+    assert(bvh != NULL && (count == 0 || (ray != NULL && hit != NULL)));
+    bvh->kernel->nearest_many(bvh, ray, hit, count);
+}
+
+void bvh_blocked_many(const Bvh *bvh, const Ray *ray, bool *blocked, size_t count)
+{
+    assert(bvh != NULL && (count == 0 || (ray != NULL && blocked != NULL)));
+    bvh->kernel->blocked_many(bvh, ray, blocked, count);
+}

@@ -1,0 +1,373 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Ranges of references to nodes: a node's range is cut until it has 8 parts, the one of largest
+ * surface first. The top of the tree is built first, with all threads at each cut; what is below a
+ * fixed share of the whole becomes a task of its own, and all tasks run side by side. Sizes of
+ * tasks depend on the input alone, so the tree does not depend on the number of threads. */
+#include <assert.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "raycast/build.h"
+#include "raycast/probe.h"
+
+#define TASK_REFS_MIN 2048u
+#define TASKS_WANTED 64u /* several per thread, so that unequal ones even out */
+#define TREE_ALIGNMENT 64u /* a cache line */
+
+/* While the tree is in parts: a child that is a task. Nodes are fewer than 2^30. */
+#define CHILD_TASK (UINT32_C(1) << 30)
+
+/* A piece of the tree; references count from its own arrays. */
+typedef struct {
+    Node          *node;
+    TriangleGroup *group;
+    size_t         node_count, node_capacity, group_count, group_capacity;
+} Part;
+
+typedef struct {
+    Range    range;
+    Part     part;
+    uint32_t root; /* a reference into part */
+    uint32_t node_base, group_base;
+    Error    error;
+} Task;
+
+typedef struct {
+    RefSet            set;
+    const Primitives *in;
+    Part             *part;
+    Task            **task; /* NULL: no tasks are made */
+    size_t           *task_count, *task_capacity;
+    uint32_t          task_refs; /* ranges up to this many references become tasks */
+} Builder;
+
+/* --- leaves ------------------------------------------------------------------------------------ */
+
+static void group_clear(TriangleGroup *group)
+{
+    memset(group, 0, sizeof *group);
+    for (uint32_t i = 0; i < GROUP_WIDTH; i++)
+        group->primitive[i] = RAY_MISS;
+}
+
+static bool leaf_triangles(Builder *b, const Range *r, uint32_t *child, Error *err)
+{
+    Part *part = b->part;
+    const uint32_t count = r->end - r->begin;
+    const uint32_t groups = (count + GROUP_WIDTH - 1) / GROUP_WIDTH;
+    assert(0 < groups && groups <= LEAF_GROUPS_MAX);
+    if (part->group_count + groups > CHILD_INDEX_MAX)
+        return error_set(err, ERROR_INPUT, "too many triangles for one tree");
+    if (!array_reserve((void **)&part->group, &part->group_capacity, part->group_count + groups,
+                       sizeof *part->group, "groups of triangles", err))
+        return false;
+    for (uint32_t i = 0; i < count; i++) {
+        TriangleGroup *group = &part->group[part->group_count + i / GROUP_WIDTH];
+        const uint32_t lane = i % GROUP_WIDTH;
+        if (lane == 0)
+            group_clear(group);
+        const uint32_t primitive = b->set.ref[r->begin + i].primitive;
+        float corner[3][3];
+        probe_corners(b->in, primitive, corner);
+        for (int c = 0; c < 3; c++)
+            for (int k = 0; k < 3; k++)
+                group->vertex[c][k][lane] = corner[c][k];
+        group->primitive[lane] = primitive;
+    }
+    *child = child_triangles((uint32_t)part->group_count, groups);
+    part->group_count += groups;
+    return true;
+}
+
+static bool leaf_build(Builder *b, const Range *r, uint32_t *child, Error *err)
+{
+    const uint32_t first = b->set.ref[r->begin].primitive;
+    if (first < b->in->triangle_count)
+        return leaf_triangles(b, r, child, err);
+    assert(r->end - r->begin == 1);
+    *child = child_shape(first - b->in->triangle_count);
+    return true;
+}
+
+/* --- nodes ------------------------------------------------------------------------------------- */
+
+/* Cuts the largest part until there are 8, or all are leaves. */
+static bool node_parts(Builder *b, const Range *range, Range part[NODE_WIDTH], uint32_t *count,
+                       Error *err)
+{
+    part[0] = *range;
+    for (*count = 1; *count < NODE_WIDTH; (*count)++) {
+        float largest = -1;
+        uint32_t which = NODE_WIDTH;
+        for (uint32_t i = 0; i < *count; i++)
+            if (part[i].split.axis != SPLIT_NONE && box_area(part[i].box) > largest) {
+                largest = box_area(part[i].box);
+                which = i;
+            }
+        if (which == NODE_WIDTH)
+            break;
+        const Range cut = part[which];
+        if (!range_cut(&b->set, &cut, &part[which], &part[*count], err))
+            return false;
+    }
+    return true;
+}
+
+/* How well a child lies in a slot: along its corner's diagonal (internal.h). */
+static float slot_score(Float4 offset, uint32_t slot)
+{
+    float score = 0;
+    for (uint32_t k = 0; k < 3; k++)
+        score += slot >> k & 1 ? -offset[k] : offset[k];
+    return score;
+}
+
+/* Greedy: the best pair of a child and a free slot first. */
+static void assign_slots(const Range *range, const Range *part, uint32_t count,
+                         uint32_t slot_of[NODE_WIDTH])
+{
+    const Float4 middle = box_centre(range->box);
+    uint32_t taken = 0, placed = 0;
+    for (uint32_t round = 0; round < count; round++) {
+        float best = -INFINITY;
+        uint32_t best_part = 0, best_slot = 0;
+        for (uint32_t i = 0; i < count; i++) {
+            if (placed >> i & 1)
+                continue;
+            const Float4 offset = box_centre(part[i].box) - middle;
+            for (uint32_t s = 0; s < NODE_WIDTH; s++) {
+                const float score = taken >> s & 1 ? -INFINITY : slot_score(offset, s);
+                if (score > best) {
+                    best = score;
+                    best_part = i;
+                    best_slot = s;
+                }
+            }
+        }
+        slot_of[best_part] = best_slot;
+        placed |= 1u << best_part;
+        taken |= 1u << best_slot;
+    }
+}
+
+static void node_clear(Node *node)
+{
+    for (uint32_t i = 0; i < NODE_WIDTH; i++) {
+        for (uint32_t k = 0; k < 3; k++) {
+            node->plane[2 * k][i] = INFINITY;
+            node->plane[2 * k + 1][i] = -INFINITY;
+        }
+        node->child[i] = CHILD_NONE;
+    }
+}
+
+static bool part_add_node(Part *part, uint32_t *index, Error *err)
+{
+    if (!array_reserve((void **)&part->node, &part->node_capacity, part->node_count + 1,
+                       sizeof *part->node, "nodes of the tree", err))
+        return false;
+    *index = (uint32_t)part->node_count++;
+    node_clear(&part->node[*index]);
+    return true;
+}
+
+static void node_set_box(Node *node, uint32_t slot, Box box)
+{
+    for (int k = 0; k < 3; k++) {
+        node->plane[2 * k][slot] = box.lo[k];
+        node->plane[2 * k + 1][slot] = box.hi[k];
+    }
+}
+
+static bool task_add(Builder *b, const Range *range, uint32_t *child, Error *err)
+{
+    if (!array_reserve((void **)b->task, b->task_capacity, *b->task_count + 1, sizeof **b->task,
+                       "tasks of the build", err))
+        return false;
+    *child = CHILD_TASK | (uint32_t)*b->task_count;
+    memset(&(*b->task)[*b->task_count], 0, sizeof **b->task);
+    (*b->task)[(*b->task_count)++].range = *range;
+    return true;
+}
+
+/* Depth is bounded by BVH_DEPTH: each level is at least one cut. */
+static bool child_build(Builder *b, const Range *range, uint32_t *child, Error *err)
+{
+    if (range->split.axis == SPLIT_NONE)
+        return leaf_build(b, range, child, err);
+    if (b->task != NULL && range->end - range->begin <= b->task_refs)
+        return task_add(b, range, child, err);
+
+    Range part[NODE_WIDTH];
+    uint32_t slot_of[NODE_WIDTH], count, index;
+    if (!node_parts(b, range, part, &count, err) || !part_add_node(b->part, &index, err))
+        return false;
+    assign_slots(range, part, count, slot_of);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t below;
+        if (!child_build(b, &part[i], &below, err))
+            return false;
+        Node *node = &b->part->node[index]; /* the array may have moved */
+        node_set_box(node, slot_of[i], part[i].box);
+        node->child[slot_of[i]] = below;
+    }
+    *child = index;
+    return true;
+}
+
+/* Node 0 of the part, also when there is only a leaf or nothing. */
+static bool root_build(Builder *b, const Range *range, Error *err)
+{
+    uint32_t child;
+    if (range->begin < range->end && range->split.axis != SPLIT_NONE) {
+        const bool good = child_build(b, range, &child, err);
+        assert(!good || child == 0);
+        return good;
+    }
+    if (!part_add_node(b->part, &child, err) || range->begin == range->end)
+        return !error_is_set(err);
+    Node *node = &b->part->node[child];
+    node_set_box(node, 0, range->box);
+    return leaf_build(b, range, &node->child[0], err);
+}
+
+/* --- tasks ------------------------------------------------------------------------------------- */
+
+static void task_run(void *context, uint32_t begin, uint32_t end, unsigned worker)
+{
+    const Builder *whole = context;
+    (void)worker;
+    for (uint32_t i = begin; i < end; i++) {
+        Task *task = &(*whole->task)[i];
+        Builder b = { .set = whole->set, .in = whole->in, .part = &task->part };
+        b.set.spare = NULL;
+        child_build(&b, &task->range, &task->root, &task->error);
+    }
+}
+
+static uint32_t child_moved(const Task *task, uint32_t child, uint32_t node_base,
+                            uint32_t group_base)
+{
+    if (child == CHILD_NONE || child_is_shape(child))
+        return child;
+    if (child_is_leaf(child))
+        return child + group_base;
+    if ((child & CHILD_TASK) == 0)
+        return child + node_base;
+    const Task *t = &task[child & ~CHILD_TASK];
+    return child_moved(NULL, t->root, t->node_base, t->group_base);
+}
+
+static void part_move(Bvh *bvh, Part *part, const Task *task, uint32_t node_base,
+                      uint32_t group_base)
+{
+    for (size_t i = 0; i < part->node_count; i++) {
+        Node *node = &bvh->node[node_base + i];
+        *node = part->node[i];
+        for (uint32_t s = 0; s < NODE_WIDTH; s++)
+            node->child[s] = child_moved(task, node->child[s], node_base, group_base);
+    }
+    if (part->group_count > 0)
+        memcpy(&bvh->group[group_base], part->group, part->group_count * sizeof *part->group);
+    part->node = array_free(part->node);
+    part->group = array_free(part->group);
+}
+
+typedef struct {
+    Bvh  *bvh;
+    Task *task;
+} MoveContext;
+
+static void task_move(void *context, uint32_t begin, uint32_t end, unsigned worker)
+{
+    MoveContext *c = context;
+    (void)worker;
+    for (uint32_t i = begin; i < end; i++)
+        part_move(c->bvh, &c->task[i].part, NULL, c->task[i].node_base, c->task[i].group_base);
+}
+
+/* One block: nodes, groups, shapes, from a cache line's start. */
+static bool tree_reserve(Bvh *bvh, const Primitives *in, size_t nodes, size_t groups, Error *err)
+{
+    if (groups > CHILD_INDEX_MAX)
+        return error_set(err, ERROR_INPUT, "too many triangles for one tree");
+    const size_t shapes = in->shape_count;
+    bvh->bytes = nodes * sizeof(Node) + groups * sizeof(TriangleGroup) + shapes * sizeof(Shape)
+                 + TREE_ALIGNMENT;
+    bvh->memory = array_create(bvh->bytes, 1, "tree of boxes", err);
+    if (bvh->memory == NULL)
+        return false;
+    const uintptr_t at = (uintptr_t)bvh->memory;
+    char *p = (char *)bvh->memory + (TREE_ALIGNMENT - at % TREE_ALIGNMENT) % TREE_ALIGNMENT;
+    bvh->node = (Node *)(void *)p;
+    bvh->group = (TriangleGroup *)(void *)(bvh->node + nodes);
+    bvh->shape = (Shape *)(void *)(bvh->group + groups);
+    bvh->node_count = (uint32_t)nodes;
+    bvh->group_count = (uint32_t)groups;
+    bvh->shape_count = in->shape_count;
+    if (shapes > 0)
+        memcpy(bvh->shape, in->shape, shapes * sizeof *in->shape);
+    return true;
+}
+
+static bool tree_join(Bvh *bvh, Builder *b, Error *err)
+{
+    size_t nodes = b->part->node_count, groups = b->part->group_count;
+    for (size_t i = 0; i < *b->task_count; i++) {
+        Task *task = &(*b->task)[i];
+        if (error_is_set(&task->error)) {
+            *err = task->error;
+            return false;
+        }
+        task->node_base = (uint32_t)nodes;
+        task->group_base = (uint32_t)groups;
+        nodes += task->part.node_count;
+        groups += task->part.group_count;
+    }
+    if (!tree_reserve(bvh, b->in, nodes, groups, err))
+        return false;
+    part_move(bvh, b->part, *b->task, 0, 0);
+    MoveContext c = { .bvh = bvh, .task = *b->task };
+    parallel_for((uint32_t)*b->task_count, 1, b->set.threads, task_move, &c, NULL, NULL);
+    return true;
+}
+
+bool tree_build(Bvh *bvh, const Primitives *in, Ref *ref, uint32_t count, unsigned threads,
+                Error *err)
+{
+    assert(bvh != NULL && in != NULL && ref != NULL && err != NULL);
+    Part top = { 0 };
+    Task *task = NULL;
+    size_t task_count = 0, task_capacity = 0;
+    Builder b = { .in = in, .part = &top, .task_count = &task_count,
+                  .task_capacity = &task_capacity, .task_refs = count / TASKS_WANTED,
+                  .set = { .ref = ref, .threads = threads,
+                           .triangle_count = in->triangle_count } };
+    if (b.task_refs >= TASK_REFS_MIN) {
+        b.task = &task;
+        b.set.spare = array_create(count, sizeof *b.set.spare, "references to primitives", err);
+    }
+    Range all = range_all(&b.set, count);
+    bool good = !error_is_set(err);
+    if (good && count > 0)
+        range_decide(&b.set, &all);
+    good = good && root_build(&b, &all, err);
+    b.set.spare = array_free(b.set.spare);
+    if (good)
+        parallel_for((uint32_t)task_count, 1, threads, task_run, &b, NULL, NULL);
+    for (int k = 0; good && count > 0 && k < 3; k++) {
+        bvh->lo[k] = all.box.lo[k];
+        bvh->hi[k] = all.box.hi[k];
+    }
+    b.task = &task;
+    good = good && tree_join(bvh, &b, err);
+
+    for (size_t i = 0; i < task_count; i++) {
+        array_free(task[i].part.node);
+        array_free(task[i].part.group);
+    }
+    array_free(task);
+    array_free(top.node);
+    array_free(top.group);
+    return good;
+}

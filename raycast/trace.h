@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* raycast/trace.h -- the walk through the tree, compiled once per instruction set.
+ *
+ * The file that includes this defines before:
+ *   node_push      tests a node's boxes; writes the nearer end and the reference of those hit to
+ *                  near[] and child[], far ones first, and returns how many; may write 8 of each
+ *   group_filter   bits of the lanes of a group that probe_triangle may accept
+ * and KERNEL, the name of the table to make.
+ */
+#include "raycast/probe.h"
+
+static inline bool leaf_trace(const Bvh *bvh, const Ray *ray, const Probe *p, uint32_t leaf,
+                              bool any, Best *best)
+{
+    if (child_is_shape(leaf)) {
+        const uint32_t i = child_shape_index(leaf);
+        return probe_shape(ray, p, &bvh->shape[i], bvh->triangle_count + i, best);
+    }
+    const TriangleGroup *group = bvh->group + child_group(leaf);
+    const TriangleGroup *end = group + child_group_count(leaf);
+    bool found = false;
+    for (; group < end; group++) {
+        for (unsigned lanes = group_filter(group, p); lanes != 0; lanes &= lanes - 1) {
+            const int lane = __builtin_ctz(lanes);
+            float corner[3][3];
+            for (int i = 0; i < 3; i++)
+                for (int k = 0; k < 3; k++)
+                    corner[i][k] = group->vertex[i][p->axis[k]][lane];
+            found |= probe_triangle(p, (const float(*)[3])corner, group->primitive[lane], best);
+        }
+        if (any && found)
+            return true;
+    }
+    return found;
+}
+
+/* The nearest hit, or with `any` the first that turns up. */
+static inline Best tree_trace(const Bvh *bvh, const Ray *ray, bool any)
+{
+    Probe p;
+    probe_init(&p, ray, bvh->lo, bvh->hi);
+    Best best = best_none(ray->t_max);
+    float near[BVH_STACK];
+    uint32_t child[BVH_STACK];
+    uint32_t top = node_push(&bvh->node[0], &p, best.t, near, child);
+    while (top > 0) {
+        top--;
+        /* Not >=: an equally near hit of a smaller number may be in there. */
+        if (near[top] > best.t)
+            continue;
+        const uint32_t c = child[top];
+        if (!child_is_leaf(c)) {
+            top += node_push(&bvh->node[c], &p, best.t, near + top, child + top);
+            assert(top + NODE_WIDTH <= BVH_STACK);
+        } else if (leaf_trace(bvh, ray, &p, c, any, &best) && any) {
+            break;
+        }
+    }
+    return best;
+}
+
+static bool nearest_odd(const Bvh *bvh, const Ray *ray, Hit *hit);
+
+static inline bool nearest_one(const Bvh *bvh, const Ray *ray, Hit *hit)
+{
+    if (__builtin_expect(!probe_takes(ray), 0))
+        return nearest_odd(bvh, ray, hit);
+    const Best best = tree_trace(bvh, ray, false);
+    return best_to_hit(&best, hit);
+}
+
+/* Kept out of the way of the usual rays. */
+static __attribute__((noinline, cold)) bool nearest_odd(const Bvh *bvh, const Ray *ray, Hit *hit)
+{
+    Ray scaled;
+    int exponent;
+    *hit = (Hit){ .t = ray->t_max, .primitive = RAY_MISS };
+    return ray_rescale(ray, &scaled, &exponent) && nearest_one(bvh, &scaled, hit)
+           && hit_rescale(hit, exponent);
+}
+
+static inline bool blocked_one(const Bvh *bvh, const Ray *ray)
+{
+    Hit hit;
+    if (__builtin_expect(!probe_takes(ray), 0))
+        return nearest_odd(bvh, ray, &hit);
+    return tree_trace(bvh, ray, true).primitive != RAY_MISS;
+}
+
+static bool trace_nearest(const Bvh *bvh, const Ray *ray, Hit *hit)
+{
+    return nearest_one(bvh, ray, hit);
+}
+
+static bool trace_blocked(const Bvh *bvh, const Ray *ray)
+{
+    return blocked_one(bvh, ray);
+}
+
+static void trace_nearest_many(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        nearest_one(bvh, &ray[i], &hit[i]);
+}
+
+static void trace_blocked_many(const Bvh *bvh, const Ray *ray, bool *blocked, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        blocked[i] = blocked_one(bvh, &ray[i]);
+}
+
+#define KERNEL_TABLE(isa)                                                                   \
+    { .name = isa, .nearest = trace_nearest, .blocked = trace_blocked,                      \
+      .nearest_many = trace_nearest_many, .blocked_many = trace_blocked_many }

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The walk with AVX2: a node at once. Fused operations only where boxes are tested: their margin
+ * covers any rounding, and triangles must come out as in the other kernels. */
+#include "raycast/internal.h"
+#include "raycast/probe.h"
+
+#ifdef ISOLUX_X86
+
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2,fma,bmi2,popcnt"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx2,fma,bmi2,popcnt")
+#endif
+
+#include <immintrin.h>
+
+#include "raycast/group_sse.h"
+
+/* The hits are brought into the ray's order of slots and packed by a permutation whose indices
+ * are bytes picked by the mask: no branch depends on how many there are. */
+static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit, float *near,
+                                 uint32_t *child)
+{
+    __m256 t0 = _mm256_set1_ps(p->t_min), t1 = _mm256_set1_ps(t_limit);
+    for (unsigned k = 0; k < 3; k++) {
+        const unsigned negative = p->octant >> k & 1;
+        const __m256 inverse = _mm256_set1_ps(p->inverse[k]);
+        const __m256 a = _mm256_load_ps(node->plane[2 * k + negative]);
+        const __m256 b = _mm256_load_ps(node->plane[2 * k + 1 - negative]);
+        t0 = _mm256_max_ps(t0, _mm256_fmadd_ps(a, inverse, _mm256_set1_ps(p->near_add[k])));
+        t1 = _mm256_min_ps(t1, _mm256_fmadd_ps(b, inverse, _mm256_set1_ps(p->far_add[k])));
+    }
+    const __m256i slots = _mm256_xor_si256(_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7),
+                                           _mm256_set1_epi32((int)p->octant));
+    const __m256 hit = _mm256_permutevar8x32_ps(_mm256_cmp_ps(t0, t1, _CMP_LE_OQ), slots);
+    const unsigned mask = (unsigned)_mm256_movemask_ps(hit);
+    const uint64_t bytes = _pdep_u64(mask, UINT64_C(0x0101010101010101)) * 0xff;
+    const uint64_t picked = _pext_u64(UINT64_C(0x0706050403020100), bytes);
+    const __m256i packed = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((long long)picked));
+    const __m256i order = _mm256_permutevar8x32_epi32(slots, packed);
+    const __m256i children = _mm256_load_si256((const __m256i *)node->child);
+    _mm256_storeu_ps(near, _mm256_permutevar8x32_ps(t0, order));
+    _mm256_storeu_si256((__m256i *)child, _mm256_permutevar8x32_epi32(children, order));
+    return (uint32_t)__builtin_popcount(mask);
+}
+
+#include "raycast/trace.h"
+
+const Kernel kernel_avx2 = KERNEL_TABLE("avx2");
+
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+
+#else
+typedef int trace_avx2_is_empty_here; /* a file must declare something */
+#endif

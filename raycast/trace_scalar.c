@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The reference: the walk in plain C, one box and one triangle at a time. */
+#include "raycast/internal.h"
+#include "raycast/probe.h"
+
+static inline float smaller(float a, float b) { return a < b ? a : b; }
+static inline float larger(float a, float b) { return a > b ? a : b; }
+
+static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit, float *near,
+                                 uint32_t *child)
+{
+    uint32_t count = 0;
+    for (unsigned i = 0; i < NODE_WIDTH; i++) {
+        const unsigned slot = i ^ p->octant;
+        float from = p->t_min, to = t_limit;
+        for (unsigned k = 0; k < 3; k++) {
+            const unsigned negative = p->octant >> k & 1;
+            from = larger(from, node->plane[2 * k + negative][slot] * p->inverse[k]
+                                    + p->near_add[k]);
+            to = smaller(to, node->plane[2 * k + 1 - negative][slot] * p->inverse[k]
+                                 + p->far_add[k]);
+        }
+        near[count] = from;
+        child[count] = node->child[slot];
+        count += from <= to;
+    }
+    return count;
+}
+
+static inline unsigned group_filter(const TriangleGroup *group, const Probe *p)
+{
+    (void)p;
+    unsigned lanes = 0;
+    for (unsigned i = 0; i < GROUP_WIDTH; i++)
+        lanes |= (unsigned)(group->primitive[i] != RAY_MISS) << i;
+    return lanes;
+}
+
+#include "raycast/trace.h"
+
+const Kernel kernel_scalar = KERNEL_TABLE("scalar");

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The walk with SSE2, which every x86-64 has: a node in two halves, a group at once. */
+#include "raycast/internal.h"
+#include "raycast/probe.h"
+
+#ifdef ISOLUX_X86
+
+#include <emmintrin.h>
+
+#include "raycast/group_sse.h"
+
+static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit, float *near,
+                                 uint32_t *child)
+{
+    float from[NODE_WIDTH];
+    unsigned hits = 0;
+    for (unsigned half = 0; half < NODE_WIDTH; half += 4) {
+        __m128 t0 = _mm_set1_ps(p->t_min), t1 = _mm_set1_ps(t_limit);
+        for (unsigned k = 0; k < 3; k++) {
+            const unsigned negative = p->octant >> k & 1;
+            const __m128 inverse = _mm_set1_ps(p->inverse[k]);
+            const __m128 a = _mm_loadu_ps(&node->plane[2 * k + negative][half]);
+            const __m128 b = _mm_loadu_ps(&node->plane[2 * k + 1 - negative][half]);
+            t0 = _mm_max_ps(t0, _mm_add_ps(_mm_mul_ps(a, inverse), _mm_set1_ps(p->near_add[k])));
+            t1 = _mm_min_ps(t1, _mm_add_ps(_mm_mul_ps(b, inverse), _mm_set1_ps(p->far_add[k])));
+        }
+        _mm_storeu_ps(from + half, t0);
+        hits |= (unsigned)_mm_movemask_ps(_mm_cmple_ps(t0, t1)) << half;
+    }
+    uint32_t count = 0;
+    for (unsigned i = 0; i < NODE_WIDTH; i++) {
+        const unsigned slot = i ^ p->octant;
+        near[count] = from[slot];
+        child[count] = node->child[slot];
+        count += hits >> slot & 1;
+    }
+    return count;
+}
+
+#include "raycast/trace.h"
+
+const Kernel kernel_sse2 = KERNEL_TABLE("sse2");
+
+#else
+typedef int trace_sse2_is_empty_here; /* a file must declare something */
+#endif
