@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* isolux check: what is in a file, what is wrong with it, what was repaired. */
+#include "app/commands.h"
+
+static void say_scene(Pipeline *pipeline)
+{
+    Session *session = pipeline->session;
+    const Scene *scene = pipeline->scene;
+    const Polygons *soup = &scene->polygons;
+    Vec3 lo = { 0 }, hi = { 0 };
+    size_t emitters = 0;
+    for (size_t i = 0; i < soup->material_count; i++)
+        emitters += rgb_max(soup->materials[i].emission) > 0;
+    session_say(session, "isolux: %s", scene->file);
+    session_say(session, "  polygons    %zu with %zu vertices; %zu curved faces",
+                soup->polygon_count, soup->vertex_count, soup->shape_count);
+    session_say(session, "  groups      %zu", soup->group_count);
+    session_say(session, "  materials   %zu, %zu of them emit", soup->material_count, emitters);
+    session_say(session, "  lights      %zu", scene->light_count);
+    session_say(session, "  cameras     %zu", scene->camera_count);
+    for (size_t i = 0; i < scene->camera_count; i++)
+        session_say(session, "              '%s' at %.5g,%.5g,%.5g", scene->cameras[i].name,
+                    scene->cameras[i].eye.x, scene->cameras[i].eye.y, scene->cameras[i].eye.z);
+    if (polygons_bounds(soup, &lo, &hi))
+        session_say(session, "  bounds      %.5g,%.5g,%.5g to %.5g,%.5g,%.5g: %.5g x %.5g x %.5g",
+                    lo.x, lo.y, lo.z, hi.x, hi.y, hi.z, hi.x - lo.x, hi.y - lo.y, hi.z - lo.z);
+}
+
+static void say_count(Session *session, const char *what, uint32_t count)
+{
+    if (count > 0)
+        session_say(session, "  %-11s %u", what, count);
+}
+
+static void say_mesh(Pipeline *pipeline)
+{
+    Session *session = pipeline->session;
+    const Surfaces *s = pipeline->surfaces;
+    const SidesReport *sides = &pipeline->sides_report;
+    session_say(session, "  surfaces    %u, %s", s->count, s->closed ? "closed" : "open");
+    say_count(session, "welded", s->repairs.welded);
+    say_count(session, "duplicate", s->repairs.duplicate);
+    say_count(session, "degenerate", s->repairs.degenerate);
+    say_count(session, "nonmanifold", s->repairs.nonmanifold);
+    say_count(session, "flipped", s->repairs.flipped);
+    say_count(session, "refused", s->repairs.refused);
+    session_say(session, "  sides used  front %u, back %u, both %u, none %u", sides->front,
+                sides->back, sides->both, sides->none);
+    say_count(session, "turned", sides->lamps_turned);
+    session_say(session, "  warnings    %zu", session->warning_count);
+}
+
+bool cmd_check(Pipeline *pipeline, int *exit_code, Error *err)
+{
+    *exit_code = 0;
+    if (!pipeline_read(pipeline, err))
+        return false;
+    say_scene(pipeline);
+    if (!pipeline_mesh(pipeline, err) || !pipeline_sides(pipeline, err))
+        return false;
+    if (!scene_has_light(pipeline->scene))
+        monitor_warn(&pipeline->session->monitor, "no-emitter", pipeline->scene->file,
+                     "nothing in the scene gives light");
+    say_mesh(pipeline);
+    return true;
+}

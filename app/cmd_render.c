@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* isolux render: solve, gather, EXR and PNG. */
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "app/commands.h"
+#include "app/output.h"
+#include "app/summary.h"
+#include "base/array.h"
+
+typedef struct {
+    char exr[4096], png[4096];
+} Names;
+
+/* room.exr and room.png, whichever of the two -o names; without -o after the scene, in this folder. */
+static bool picture_names(const Options *options, Names *names, Error *err)
+{
+    const char *path = options->output != NULL ? options->output : output_base(options->scene);
+    if (strcmp(path, "-") == 0)
+        return error_set(err, ERROR_USAGE, "render writes two files; -o needs a name");
+    if (options->output != NULL && !output_ends(path, ".exr") && !output_ends(path, ".png"))
+        return error_set(err, ERROR_USAGE, "-o %s: a picture's name ends in .exr or .png", path);
+    return output_name(path, ".exr", names->exr, sizeof names->exr, err) &&
+           output_name(path, ".png", names->png, sizeof names->png, err) &&
+           output_probe(names->exr, err) && output_probe(names->png, err);
+}
+
+/* Bytes of all layers, and as much again while they are packed for the file. */
+static bool image_fits(const Pipeline *pipeline, Error *err)
+{
+    const uint64_t pixels = (uint64_t)pipeline->width * (uint64_t)pipeline->height;
+    const uint64_t layers = (3 * 6 + 1) * sizeof(float) + sizeof(uint32_t);
+    return pipeline_fits(pipeline, 2 * layers * pixels, "picture", err);
+}
+
+/* A picture that was asked to stop before it began is made with one ray per pixel: something to
+ * look at, in about a second. */
+static void hurry_picture(Pipeline *pipeline)
+{
+    Session *session = pipeline->session;
+    if (!session->hurry && session_stopped(session)) {
+        session->hurry = true;
+        monitor_warn(&session->monitor, "hurried", session->options.scene,
+                     "%s: finishing roughly", session_stop_reason());
+    }
+    if (session->hurry)
+        session->settings.spp = session->settings.gather_rays = 1;
+}
+
+static Image *gather(Pipeline *pipeline, Error *err)
+{
+    Session *session = pipeline->session;
+    const double begin = progress_now();
+    Gatherer *gatherer = gatherer_create(&pipeline->room, pipeline->solution, pipeline->links,
+                                         err);
+    hurry_picture(pipeline);
+    const RenderOptions ro = { .width = pipeline->width, .height = pipeline->height,
+                               .samples = session->settings.spp,
+                               .gather_rays = session->settings.gather_rays,
+                               .diffuse_only = session->options.diffuse,
+                               .background = pipeline->scene->background,
+                               .seed = session->settings.seed,
+                               .threads = session->settings.threads };
+    Image *image = NULL;
+    if (gatherer != NULL)
+        image = render_gather(gatherer, &pipeline->camera, &ro, &pipeline->render,
+                              &session->monitor, err);
+    gatherer_destroy(gatherer);
+    pipeline_note(pipeline, STAGE_GATHER, begin);
+    return image;
+}
+
+/* The command line without what must not change the bytes of a picture: threads, names of results,
+ * limits. */
+static void record_command(const Options *options, char *out, size_t size)
+{
+    static const char *const left_out[] = { "--threads", "--json", "--progress", "--max-memory",
+                                            "--time-limit", "-o" };
+    size_t used = (size_t)snprintf(out, size, "isolux %s", options->argv[0]);
+    for (int i = 1; i < options->argc && used < size; i++) {
+        bool skip = strncmp(options->argv[i], "-o", 2) == 0;
+        bool two = strcmp(options->argv[i], "-o") == 0;
+        for (size_t k = 0; k < sizeof left_out / sizeof *left_out; k++) {
+            const size_t n = strlen(left_out[k]);
+            if (strncmp(options->argv[i], left_out[k], n) == 0) {
+                skip = true;
+                two = options->argv[i][n] == '\0';
+            }
+        }
+        if (!skip)
+            used += (size_t)snprintf(out + used, size - used, " %s", options->argv[i]);
+        i += skip && two;
+    }
+}
+
+static bool write_picture(Pipeline *pipeline, const Image *image, const Names *names, Error *err)
+{
+    const Options *options = &pipeline->session->options;
+    const Camera *c = &pipeline->camera;
+    const double begin = progress_now();
+    char command[1024];
+    record_command(options, command, sizeof command);
+    pipeline->exposure = options->exposure_set ? options->exposure : image_auto_exposure(image);
+    const ImageInfo info = {
+        .eye = { c->eye.x, c->eye.y, c->eye.z },
+        .target = { c->target.x, c->target.y, c->target.z },
+        .up = { c->up.x, c->up.y, c->up.z },
+        .vertical_fov = c->vertical_fov,
+        .exposure = pipeline->exposure,
+        .units = options->units == UNITS_PHOTOMETRIC ? "photometric" : "radiometric",
+        .version = ISOLUX_VERSION,
+        .scene = options->scene,
+        .command = command,
+        .scene_hash = pipeline->scene->hash,
+    };
+    const bool written = image_write_exr(image, &info, names->exr, err) &&
+                         image_write_png(image, pipeline->exposure, &info, names->png, err);
+    pipeline_note(pipeline, STAGE_WRITE, begin);
+    return written;
+}
+
+bool cmd_render(Pipeline *pipeline, int *exit_code, Error *err)
+{
+    Session *session = pipeline->session;
+    Names names;
+    assert(session->options.scene != NULL);
+    if (!picture_names(&session->options, &names, err) || !pipeline_read(pipeline, err) ||
+        !pipeline_mesh(pipeline, err) || !pipeline_camera(pipeline, err))
+        return false;
+    view_size(pipeline);
+    if (!image_fits(pipeline, err) || !pipeline_patches(pipeline, err) ||
+        !pipeline_factors(pipeline, err) || !pipeline_solve(pipeline, err))
+        return false;
+    *exit_code = pipeline_exit_code(pipeline);
+    Image *image = gather(pipeline, err);
+    if (image != NULL && err->code == ERROR_STOPPED) {
+        *exit_code = ERROR_STOPPED;
+        *err = (Error){ 0 };
+        monitor_warn(&session->monitor, "stopped", names.exr,
+                     "%s: the picture is not whole", session_stop_reason());
+    }
+    if (image == NULL)
+        return false;
+    const bool written = write_picture(pipeline, image, &names, err);
+    image_destroy(image);
+    if (!written)
+        return false;
+    session_say(session, "isolux: %s -> %s, %s", session->options.scene, names.exr, names.png);
+    summary_print(pipeline);
+    return true;
+}

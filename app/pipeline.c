@@ -1,0 +1,413 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Scene -> surfaces -> BVH -> sides -> patches -> links -> light. */
+#include "app/pipeline.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "math/tolerance.h"
+#include "scenes/ceiling_light.h"
+
+/* What is asked of closed factors (DESIGN: row sums, reciprocity and balance to 1e-6). */
+static const double CLOSURE_TOLERANCE = 1e-6;
+
+/* In a hurry, factors are cast again with this many rays in all: about a second's work. */
+enum { HURRY_RAYS = 1 << 20, HURRY_RAYS_LEAST = 8, HURRY_SIDE_RAYS = 8 };
+
+const char *pipeline_stage_name(Stage stage)
+{
+    static const char *const names[] = { "read", "mesh", "bvh", "factors",
+                                         "solve", "gather", "write" };
+    assert((unsigned)stage < STAGE_COUNT);
+    return names[stage];
+}
+
+void pipeline_note(Pipeline *pipeline, Stage stage, double begin)
+{
+    pipeline->seconds[stage] += progress_now() - begin;
+    pipeline->peak[stage] = progress_peak_bytes();
+}
+
+static void begin_stage(Pipeline *pipeline, Stage stage)
+{
+    const Progress progress = { .stage = pipeline_stage_name(stage), .energy_left = -1 };
+    monitor_progress(&pipeline->session->monitor, &progress);
+}
+
+bool pipeline_fits(const Pipeline *pipeline, uint64_t more, const char *what, Error *err)
+{
+    const uint64_t limit = pipeline->session->options.max_memory, used = progress_peak_bytes();
+    if (limit == 0 || (used <= limit && more <= limit - used))
+        return true;
+    return error_set(err, ERROR_MEMORY,
+                     "%s: needs %.0f MB on top of %.0f MB in use, --max-memory is %.0f MB", what,
+                     1e-6 * (double)more, 1e-6 * (double)used, 1e-6 * (double)limit);
+}
+
+/* Whether a stage that failed was only asked to stop: then it may run once more, roughly. */
+static bool hurry_instead(Pipeline *pipeline, Error *err)
+{
+    Session *session = pipeline->session;
+    if (err->code != ERROR_STOPPED || session->hurry)
+        return false;
+    session->hurry = true;
+    *err = (Error){ 0 };
+    monitor_warn(&session->monitor, "hurried", session->options.scene, "%s: finishing roughly",
+                 session_stop_reason());
+    return true;
+}
+
+/* --- read -------------------------------------------------------------------------------------- */
+
+/* Distances are in scene units, so cd over squared units is lux only after division by what a
+ * squared unit is in square metres. */
+static void scale_lights(Scene *scene, double unit_m)
+{
+    assert(unit_m > 0);
+    for (size_t i = 0; i < scene->light_count; i++)
+        scene->lights[i].intensity =
+            rgb_scale(scene->lights[i].intensity, 1 / (unit_m * unit_m));
+}
+
+bool pipeline_read(Pipeline *pipeline, Error *err)
+{
+    Session *session = pipeline->session;
+    const double begin = progress_now();
+    begin_stage(pipeline, STAGE_READ);
+    pipeline->scene = scene_read(session->options.scene,
+                                 &(SceneReadOptions){ .monitor = &session->monitor }, err);
+    if (pipeline->scene != NULL) {
+        assert(scene_check(pipeline->scene));
+        scale_lights(pipeline->scene, session->options.unit_m);
+    }
+    pipeline_note(pipeline, STAGE_READ, begin);
+    return pipeline->scene != NULL && pipeline_fits(pipeline, 0, session->options.scene, err);
+}
+
+/* --- mesh and BVH ------------------------------------------------------------------------------ */
+
+static bool build_surfaces(Pipeline *pipeline, Error *err)
+{
+    const double begin = progress_now();
+    begin_stage(pipeline, STAGE_MESH);
+    pipeline->surfaces = surfaces_create(&pipeline->scene->polygons, &pipeline->session->monitor,
+                                         err);
+    pipeline_note(pipeline, STAGE_MESH, begin);
+    return pipeline->surfaces != NULL;
+}
+
+static bool build_bvh(Pipeline *pipeline, Error *err)
+{
+    const Surfaces *s = pipeline->surfaces;
+    const double begin = progress_now();
+    begin_stage(pipeline, STAGE_BVH);
+    const Primitives primitives = { .position = s->position, .corner = s->corner,
+                                    .shape = s->shape, .vertex_count = s->vertex_count,
+                                    .triangle_count = s->triangle_count,
+                                    .shape_count = s->shape_count };
+    pipeline->bvh = bvh_create(&primitives, pipeline->session->settings.threads, err);
+    pipeline_note(pipeline, STAGE_BVH, begin);
+    return pipeline->bvh != NULL;
+}
+
+/* Adds a lamp when asked to and needed; then the surfaces are made anew with it. */
+static bool add_light(Pipeline *pipeline, Error *err)
+{
+    Session *session = pipeline->session;
+    if (scene_has_light(pipeline->scene))
+        return true;
+    if (session->options.light == 0) {
+        if ((options_table()[OPTION_LIGHT].commands & (unsigned)session->options.command) != 0)
+            monitor_warn(&session->monitor, "no-emitter", session->options.scene,
+                         "nothing in the scene gives light; --light ceiling hangs up a lamp");
+        return true;
+    }
+    if (!ceiling_light_add(pipeline->scene, pipeline->bvh, pipeline->surfaces->lo,
+                           pipeline->surfaces->hi, err))
+        return false;
+    pipeline->bvh = bvh_destroy(pipeline->bvh);
+    pipeline->surfaces = surfaces_destroy(pipeline->surfaces);
+    return build_surfaces(pipeline, err) && build_bvh(pipeline, err);
+}
+
+bool pipeline_mesh(Pipeline *pipeline, Error *err)
+{
+    assert(pipeline->scene != NULL);
+    return build_surfaces(pipeline, err) && build_bvh(pipeline, err) && add_light(pipeline, err) &&
+           pipeline_fits(pipeline, 0, pipeline->session->options.scene, err);
+}
+
+/* --- sides and patches ------------------------------------------------------------------------- */
+
+/* Eyes that what they see takes part: all cameras, and measuring points just off their surfaces. */
+static Vec3 *collect_eyes(const Pipeline *pipeline, size_t *count, Error *err)
+{
+    const Scene *scene = pipeline->scene;
+    const double offset = ray_offset(pipeline->surfaces->largest_coordinate);
+    Vec3 *eyes = array_create(scene->camera_count + pipeline->point_count + 1, sizeof *eyes,
+                              "eyes", err);
+    size_t n = 0;
+    if (eyes == NULL)
+        return NULL;
+    for (size_t i = 0; i < scene->camera_count; i++)
+        eyes[n++] = scene->cameras[i].eye;
+    if (pipeline->has_camera)
+        eyes[n++] = pipeline->camera.eye;
+    for (size_t i = 0; i < pipeline->point_count; i++)
+        eyes[n++] = vec3_mad(pipeline->point[i], offset, pipeline->normal[i]);
+    *count = n;
+    return eyes;
+}
+
+/* Fixed choice of sides: those given take part, and of them those whose material emits. */
+static void set_sides(Pipeline *pipeline, uint8_t bits)
+{
+    const Surfaces *s = pipeline->surfaces;
+    const EmitSide emit = (EmitSide)pipeline->session->options.emit;
+    const uint8_t lit = emit == EMIT_BOTH ? 3 : emit == EMIT_BACK ? 2 : 1;
+    for (uint32_t i = 0; i < s->count; i++) {
+        const Material *m = &pipeline->scene->polygons.materials[s->surface[i].material];
+        pipeline->sides[i] = bits;
+        if (rgb_max(m->emission) > 0)
+            pipeline->emitting[i] = bits & (m->emits_both ? 3 : lit);
+    }
+    *(bits == 1 ? &pipeline->sides_report.front : &pipeline->sides_report.both) = s->count;
+}
+
+static bool find_sides(Pipeline *pipeline, Error *err)
+{
+    Session *session = pipeline->session;
+    const Scene *scene = pipeline->scene;
+    const Options *options = &session->options;
+    size_t eye_count = 0;
+    const bool plain = options->command == COMMAND_FACTORS && options->sides == USE_AUTO &&
+                       !scene_has_light(scene) && scene->camera_count == 0;
+    if (options->sides != USE_AUTO || plain) {
+        set_sides(pipeline, options->sides == USE_BOTH ? 3 : 1);
+        return true;
+    }
+    Vec3 *eyes = collect_eyes(pipeline, &eye_count, err);
+    if (eyes == NULL)
+        return false;
+    SidesOptions so = { .emit = (EmitSide)options->emit, .eye = eyes, .eye_count = eye_count,
+                        .seed = session->settings.seed, .threads = session->settings.threads };
+    bool done;
+    do {
+        done = sides_find(pipeline->surfaces, pipeline->bvh, scene->polygons.materials,
+                          scene->lights, scene->light_count, &so, pipeline->sides,
+                          pipeline->emitting, &pipeline->sides_report, &session->monitor, err);
+        so.rays = HURRY_SIDE_RAYS;
+    } while (!done && hurry_instead(pipeline, err));
+    array_free(eyes);
+    return done;
+}
+
+static void set_room(Pipeline *pipeline)
+{
+    pipeline->room = (Room){
+        .surfaces = pipeline->surfaces,
+        .bvh = pipeline->bvh,
+        .patches = pipeline->patches,
+        .materials = pipeline->scene->polygons.materials,
+        .material_count = pipeline->scene->polygons.material_count,
+        .lights = pipeline->scene->lights,
+        .light_count = pipeline->scene->light_count,
+        .sides = pipeline->sides,
+        .emitting = pipeline->emitting,
+        .offset = ray_offset(pipeline->surfaces->largest_coordinate),
+    };
+}
+
+bool pipeline_sides(Pipeline *pipeline, Error *err)
+{
+    const double begin = progress_now();
+    const uint32_t count = pipeline->surfaces->count;
+    assert(pipeline->bvh != NULL && pipeline->sides == NULL);
+    begin_stage(pipeline, STAGE_MESH);
+    pipeline->sides = array_create(count, 1, "sides", err);
+    pipeline->emitting = array_create(count, 1, "sides", err);
+    if (pipeline->sides == NULL || pipeline->emitting == NULL || !find_sides(pipeline, err))
+        return false;
+    pipeline_note(pipeline, STAGE_MESH, begin);
+    return true;
+}
+
+bool pipeline_patches(Pipeline *pipeline, Error *err)
+{
+    Session *session = pipeline->session;
+    if (!pipeline_sides(pipeline, err))
+        return false;
+    const double begin = progress_now();
+    const PatchOptions po = { .size = session->settings.patch_size,
+                              .wanted = session->settings.patches, .sides = pipeline->sides };
+    do {
+        pipeline->patches = patches_create(pipeline->surfaces, &po, &session->monitor, err);
+    } while (pipeline->patches == NULL && hurry_instead(pipeline, err));
+    if (pipeline->patches == NULL)
+        return false;
+    set_room(pipeline);
+    pipeline_note(pipeline, STAGE_MESH, begin);
+    if (pipeline->patches->count == 0)
+        return error_set(err, ERROR_INPUT, "%s: no side of any surface can be reached by light "
+                         "or eye; try --sides front", session->options.scene);
+    return pipeline_fits(pipeline, 0, session->options.scene, err);
+}
+
+/* --- factors ----------------------------------------------------------------------------------- */
+
+/* Bytes that links may take: what --max-memory leaves, half of it when a closed copy is made. */
+static uint64_t links_budget(const Pipeline *pipeline)
+{
+    const uint64_t limit = pipeline->session->options.max_memory, used = progress_peak_bytes();
+    const uint64_t left = limit > used ? limit - used : 1;
+    if (limit == 0)
+        return 0;
+    return pipeline->session->settings.closure == CLOSURE_NONE ? left : left / 2 + 1;
+}
+
+static bool close_links(Pipeline *pipeline, Error *err)
+{
+    Session *session = pipeline->session;
+    if (session->settings.closure == CLOSURE_NONE)
+        return true;
+    Links *closed;
+    do {
+        closed = links_close(pipeline->links, session->settings.closure,
+                             session->settings.threads, &session->monitor, err);
+    } while (closed == NULL && hurry_instead(pipeline, err));
+    if (closed == NULL)
+        return false;
+    links_destroy(pipeline->links);
+    pipeline->links = closed;
+    links_report(closed, &pipeline->report);
+    return true;
+}
+
+bool pipeline_factors(Pipeline *pipeline, Error *err)
+{
+    Session *session = pipeline->session;
+    const Settings *settings = &session->settings;
+    const double begin = progress_now();
+    assert(pipeline->patches != NULL && pipeline->links == NULL);
+    begin_stage(pipeline, STAGE_FACTORS);
+    LinksOptions lo = { .rays = settings->rays, .lamp_rays = settings->lamp_rays,
+                        .seed = settings->seed, .threads = settings->threads,
+                        .max_bytes = links_budget(pipeline) };
+    bool again;
+    do {
+        pipeline->links = links_create(&pipeline->room, &lo, &session->monitor, err);
+        again = pipeline->links == NULL && hurry_instead(pipeline, err);
+        const uint32_t few = HURRY_RAYS / pipeline->patches->count;
+        lo.rays = few < lo.rays ? few : lo.rays;
+        lo.rays = lo.rays > HURRY_RAYS_LEAST ? lo.rays : HURRY_RAYS_LEAST;
+        lo.lamp_rays = lo.rays / 4;
+    } while (again);
+    if (pipeline->links == NULL)
+        return false;
+    pipeline->factors_seconds = pipeline->links->seconds;
+    links_report(pipeline->links, &pipeline->raw);
+    pipeline->report = pipeline->raw;
+    const bool closed = close_links(pipeline, err);
+    pipeline_note(pipeline, STAGE_FACTORS, begin);
+    return closed && pipeline_fits(pipeline, 0, session->options.scene, err);
+}
+
+/* --- solve ------------------------------------------------------------------------------------- */
+
+static bool set_problem(Pipeline *pipeline, Error *err)
+{
+    const Patches *patches = pipeline->patches;
+    const size_t n = (size_t)patches->count * ROOM_BANDS;
+    pipeline->emission = array_create(n, sizeof(double), "emission", err);
+    pipeline->reflectance = array_create(n, sizeof(double), "reflectance", err);
+    if (pipeline->emission == NULL || pipeline->reflectance == NULL)
+        return false;
+    for (uint32_t i = 0; i < patches->count; i++) {
+        const Rgb e = room_emission(&pipeline->room, i);
+        const Rgb rho = pipeline->room.materials[patches->material[i]].reflectance;
+        memcpy(pipeline->emission + ROOM_BANDS * i, (double[]){ e.r, e.g, e.b },
+               sizeof(double[ROOM_BANDS]));
+        memcpy(pipeline->reflectance + ROOM_BANDS * i, (double[]){ rho.r, rho.g, rho.b },
+               sizeof(double[ROOM_BANDS]));
+    }
+    pipeline->problem = (SolveProblem){ .bands = ROOM_BANDS, .emission = pipeline->emission,
+                                        .reflectance = pipeline->reflectance,
+                                        .received = pipeline->direct.irradiance };
+    return true;
+}
+
+static void set_energy(Pipeline *pipeline)
+{
+    const Rgb flux = pipeline->direct.flux, away = pipeline->direct.escaped;
+    const double sent[ROOM_BANDS] = { flux.r, flux.g, flux.b };
+    const double gone[ROOM_BANDS] = { away.r, away.g, away.b };
+    const double square = pipeline->session->options.unit_m * pipeline->session->options.unit_m;
+    for (unsigned band = 0; band < ROOM_BANDS; band++) {
+        Energy *e = &pipeline->energy[band];
+        solution_energy(pipeline->solution, pipeline->links, &pipeline->problem, band, sent[band],
+                        gone[band], e);
+        e->emitted *= square;
+        e->absorbed *= square;
+        e->escaped *= square;
+    }
+}
+
+bool pipeline_solve(Pipeline *pipeline, Error *err)
+{
+    Session *session = pipeline->session;
+    const Settings *settings = &session->settings;
+    const double begin = progress_now();
+    assert(pipeline->links != NULL && pipeline->solution == NULL);
+    begin_stage(pipeline, STAGE_SOLVE);
+    const DirectOptions direct = { .seed = settings->seed, .threads = settings->threads,
+                                   .balance = settings->closure != CLOSURE_NONE };
+    bool lit;
+    do {
+        lit = direct_create(&pipeline->room, pipeline->links, &direct, &pipeline->direct,
+                            &session->monitor, err);
+    } while (!lit && hurry_instead(pipeline, err));
+    if (!lit || !set_problem(pipeline, err))
+        return false;
+    const SolveOptions so = { .solver = settings->solver, .tolerance = settings->tolerance,
+                              .max_iterations = settings->max_iterations,
+                              .threads = settings->threads };
+    pipeline->solution = solve(pipeline->links, &pipeline->problem, &so, &session->monitor, err);
+    if (pipeline->solution == NULL)
+        return false;
+    set_energy(pipeline);
+    pipeline_note(pipeline, STAGE_SOLVE, begin);
+    return pipeline_fits(pipeline, 0, session->options.scene, err);
+}
+
+int pipeline_exit_code(const Pipeline *pipeline)
+{
+    const Closure closure = pipeline->session->settings.closure;
+    const bool rows = closure == CLOSURE_ROWS || closure == CLOSURE_BOTH;
+    const bool pairs = closure == CLOSURE_RECIPROCITY || closure == CLOSURE_BOTH;
+    const bool unsolved = pipeline->solution != NULL && !pipeline->solution->converged;
+    if (pipeline->session->hurry || (unsolved && session_stopped(pipeline->session)))
+        return ERROR_STOPPED;
+    if (unsolved ||
+        (rows && pipeline->report.row_sum_error_max > CLOSURE_TOLERANCE) ||
+        (pairs && pipeline->report.reciprocity_error_max > CLOSURE_TOLERANCE))
+        return 4;
+    return 0;
+}
+
+void pipeline_clear(Pipeline *pipeline)
+{
+    solution_destroy(pipeline->solution);
+    array_free(pipeline->emission);
+    array_free(pipeline->reflectance);
+    array_free(pipeline->direct.irradiance);
+    links_destroy(pipeline->links);
+    patches_destroy(pipeline->patches);
+    array_free(pipeline->sides);
+    array_free(pipeline->emitting);
+    bvh_destroy(pipeline->bvh);
+    surfaces_destroy(pipeline->surfaces);
+    scene_destroy(pipeline->scene);
+    *pipeline = (Pipeline){ .session = pipeline->session };
+}

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* app/pipeline.h -- the way of the data, from a file to light on patches, a stage at a time. */
+#ifndef APP_PIPELINE_H
+#define APP_PIPELINE_H
+
+#include "app/session.h"
+#include "radiosity/direct.h"
+#include "radiosity/links.h"
+#include "radiosity/room.h"
+#include "radiosity/sides.h"
+#include "radiosity/solve.h"
+#include "render/gather.h"
+#include "scenes/scene.h"
+
+typedef enum {
+    STAGE_READ,
+    STAGE_MESH,    /* surfaces; later sides and patches */
+    STAGE_BVH,
+    STAGE_FACTORS,
+    STAGE_SOLVE,   /* direct light and solver */
+    STAGE_GATHER,
+    STAGE_WRITE,
+    STAGE_COUNT
+} Stage;
+
+typedef struct Pipeline {
+    Session     *session;
+    Scene       *scene;
+    Surfaces    *surfaces;
+    Bvh         *bvh;
+    uint8_t     *sides, *emitting;  /* [surfaces->count] */
+    SidesReport  sides_report;
+    Camera       camera;            /* chosen for the picture; only when has_camera */
+    bool         has_camera;
+    const Vec3  *point, *normal;    /* [point_count]  measuring points, the caller's */
+    size_t       point_count;
+    Patches     *patches;
+    Room         room;
+    Links       *links;
+    LinksReport  raw, report;       /* of the links as cast, and as used */
+    double       factors_seconds;   /* casting alone, without closure */
+    Direct       direct;
+    double      *emission, *reflectance; /* [patches->count * ROOM_BANDS] */
+    SolveProblem problem;
+    Solution    *solution;
+    Energy       energy[ROOM_BANDS];
+    RenderReport render;
+    int          width, height;     /* of the picture; 0: none was made */
+    double       exposure;          /* EV that the picture was shown with */
+    double       seconds[STAGE_COUNT];
+    uint64_t     peak[STAGE_COUNT]; /* bytes, most used up to the end of the stage */
+} Pipeline;
+
+/* Each does its stage and notes the time; false and *err when it failed. They build on each other
+ * in this order. */
+bool pipeline_read(Pipeline *pipeline, Error *err);
+bool pipeline_mesh(Pipeline *pipeline, Error *err);   /* surfaces and BVH */
+bool pipeline_sides(Pipeline *pipeline, Error *err);  /* sides in use; part of the next */
+bool pipeline_patches(Pipeline *pipeline, Error *err);
+bool pipeline_factors(Pipeline *pipeline, Error *err);
+bool pipeline_solve(Pipeline *pipeline, Error *err);
+
+/* Chooses the camera: --camera, --eye, the file's first, else one that shows the room. Between
+ * pipeline_mesh and pipeline_patches, for what is seen takes part. */
+bool pipeline_camera(Pipeline *pipeline, Error *err);
+
+/* Fails with ERROR_MEMORY when `more` bytes on top of what is in use pass --max-memory. */
+bool pipeline_fits(const Pipeline *pipeline, uint64_t more, const char *what, Error *err);
+/* Adds the time since `begin` to a stage and notes the memory. */
+void pipeline_note(Pipeline *pipeline, Stage stage, double begin);
+const char *pipeline_stage_name(Stage stage);
+
+/* 0 when all was reached, 4 when a tolerance was missed, 5 when stopped before. */
+int pipeline_exit_code(const Pipeline *pipeline);
+
+void pipeline_clear(Pipeline *pipeline);
+
+#endif

@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The solved mesh as PLY, binary little endian: patches are faces, with all they know. */
+#include <assert.h>
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+#include "app/commands.h"
+#include "base/array.h"
+#include "base/file.h"
+
+/* Exitance over this is the radiance of a diffuse surface. */
+static const double PI = 3.14159265358979323846;
+/* Reflectance of a photographer's grey card: where the usual brightness is put. */
+static const double MID_GREY = 0.18;
+
+typedef struct {
+    const Pipeline *pipeline;
+    FILE           *out;
+    double         *radiosity, *irradiance; /* [vertices * ROOM_BANDS] */
+    double          scale;                  /* radiosity to display */
+    bool            wide;                   /* some face has more than 255 corners */
+} Ply;
+
+/* --- bytes, whatever the machine's own order --------------------------------------------------- */
+
+typedef struct {
+    unsigned char byte[256];
+    size_t        size;
+} Record;
+
+static void put_bytes(Record *record, uint32_t value, int bytes)
+{
+    assert(record->size + (size_t)bytes <= sizeof record->byte);
+    for (int i = 0; i < bytes; i++)
+        record->byte[record->size++] = (unsigned char)(value >> 8 * i);
+}
+
+static void put_float(Record *record, double value)
+{
+    const float f = (float)value;
+    uint32_t bits;
+    memcpy(&bits, &f, sizeof bits);
+    put_bytes(record, bits, 4);
+}
+
+static void put_bands(Record *record, const double *value)
+{
+    for (int band = 0; band < ROOM_BANDS; band++)
+        put_float(record, value[band]);
+}
+
+static void write_record(FILE *out, Record *record)
+{
+    fwrite(record->byte, 1, record->size, out);
+    record->size = 0;
+}
+
+/* --- colours to look at ------------------------------------------------------------------------ */
+
+static double auto_scale(const Pipeline *pipeline)
+{
+    const Solution *solution = pipeline->solution;
+    double sum = 0, weight = 0;
+    for (uint32_t i = 0; i < solution->count; i++) {
+        const double *b = solution->radiosity + ROOM_BANDS * i;
+        const double *e = pipeline->emission + ROOM_BANDS * i;
+        const double y = rgb_luminance(rgb(b[0], b[1], b[2]));
+        if (y > 0 && rgb_max(rgb(e[0], e[1], e[2])) <= 0) {
+            sum += pipeline->patches->area[i] * log(y);
+            weight += pipeline->patches->area[i];
+        }
+    }
+    return weight > 0 ? MID_GREY / exp(sum / weight) : 1;
+}
+
+/* sRGB of IEC 61966-2-1 after a film-like shoulder. */
+static uint32_t display_byte(double v)
+{
+    const double y = -expm1(-fmax(v, 0));
+    const double srgb = y <= 0.0031308 ? 12.92 * y : 1.055 * pow(y, 1 / 2.4) - 0.055;
+    return (uint32_t)lround(255 * srgb);
+}
+
+/* --- header ------------------------------------------------------------------------------------ */
+
+static void put_property(FILE *out, const char *name, bool bands)
+{
+    static const char *const endings[] = { "_r", "_g", "_b" };
+    for (int band = 0; band < (bands ? ROOM_BANDS : 1); band++)
+        fprintf(out, "property float %s%s\n", name, bands ? endings[band] : "");
+}
+
+/* Names may hold anything; a comment ends with its line. */
+static void put_name(FILE *out, const char *kind, size_t number, const char *name)
+{
+    fprintf(out, "comment %s %zu ", kind, number);
+    for (; *name != '\0'; name++)
+        fputc((unsigned char)*name < ' ' ? ' ' : *name, out);
+    fputc('\n', out);
+}
+
+static void put_header(const Ply *ply)
+{
+    const Pipeline *pipeline = ply->pipeline;
+    const Polygons *soup = &pipeline->scene->polygons;
+    const bool lux = pipeline->session->options.units == UNITS_PHOTOMETRIC;
+    FILE *out = ply->out;
+    fprintf(out, "ply\nformat binary_little_endian 1.0\n"
+                 "comment made by isolux " ISOLUX_VERSION "\n"
+                 "comment x y z: scene units of %.9g m\n"
+                 "comment radiosity: all that leaves, %s\n"
+                 "comment irradiance: all that arrives, %s\n"
+                 "comment reflectance: share of arriving light sent back, 1\n"
+                 "comment area: square scene units; side: 0 front, 1 back\n"
+                 "comment red green blue: radiosity / pi * 2^%.4f, shown as sRGB\n",
+            pipeline->session->options.unit_m, lux ? "lm/m2" : "W/m2", lux ? "lux" : "W/m2",
+            log2(ply->scale * PI));
+    for (size_t i = 0; i < soup->group_count; i++)
+        put_name(out, "group", i, soup->group_name[i]);
+    for (size_t i = 0; i < soup->material_count; i++)
+        put_name(out, "material", i, soup->materials[i].name);
+    fprintf(out, "element vertex %" PRIu32 "\n", pipeline->patches->vertex_count);
+    put_property(out, "x", false);
+    put_property(out, "y", false);
+    put_property(out, "z", false);
+    fputs("property uchar red\nproperty uchar green\nproperty uchar blue\n", out);
+    put_property(out, "radiosity", true);
+    put_property(out, "irradiance", true);
+    fprintf(out, "element face %" PRIu32 "\nproperty list %s int vertex_indices\n",
+            pipeline->patches->count, ply->wide ? "ushort" : "uchar");
+    fputs("property int patch\nproperty int surface\nproperty int side\nproperty int group\n"
+          "property int material\nproperty float area\n", out);
+    put_property(out, "radiosity", true);
+    put_property(out, "irradiance", true);
+    put_property(out, "reflectance", true);
+    fputs("end_header\n", out);
+}
+
+/* --- body -------------------------------------------------------------------------------------- */
+
+static void put_vertices(const Ply *ply)
+{
+    const Patches *patches = ply->pipeline->patches;
+    Record record = { .size = 0 };
+    for (uint32_t i = 0; i < patches->vertex_count; i++) {
+        const double *b = ply->radiosity + (size_t)ROOM_BANDS * i;
+        put_bands(&record, (double[]){ patches->position[i].x, patches->position[i].y,
+                                       patches->position[i].z });
+        for (int band = 0; band < ROOM_BANDS; band++)
+            put_bytes(&record, display_byte(ply->scale * b[band]), 1);
+        put_bands(&record, b);
+        put_bands(&record, ply->irradiance + (size_t)ROOM_BANDS * i);
+        write_record(ply->out, &record);
+    }
+}
+
+static void put_faces(const Ply *ply)
+{
+    const Pipeline *pipeline = ply->pipeline;
+    const Patches *p = pipeline->patches;
+    Record record = { .size = 0 };
+    for (uint32_t i = 0; i < p->count; i++) {
+        const size_t at = (size_t)ROOM_BANDS * i;
+        put_bytes(&record, p->first_corner[i + 1] - p->first_corner[i], ply->wide ? 2 : 1);
+        for (uint32_t k = p->first_corner[i]; k < p->first_corner[i + 1]; k++) {
+            put_bytes(&record, p->corner[k], 4);
+            write_record(ply->out, &record);
+        }
+        const uint32_t numbers[] = { i, p->surface[i], p->side[i], p->group[i], p->material[i] };
+        for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
+            put_bytes(&record, numbers[k], 4);
+        put_float(&record, p->area[i]);
+        put_bands(&record, pipeline->solution->radiosity + at);
+        put_bands(&record, pipeline->solution->irradiance + at);
+        put_bands(&record, pipeline->reflectance + at);
+        write_record(ply->out, &record);
+    }
+}
+
+/* Values at vertices, and whether a face needs a longer count. */
+static bool ply_prepare(Ply *ply, Error *err)
+{
+    const Pipeline *pipeline = ply->pipeline;
+    const Patches *p = pipeline->patches;
+    const Options *options = &pipeline->session->options;
+    const size_t n = (size_t)p->vertex_count * ROOM_BANDS;
+    ply->radiosity = array_create(n, sizeof(double), "vertex values", err);
+    ply->irradiance = array_create(n, sizeof(double), "vertex values", err);
+    if (ply->radiosity == NULL || ply->irradiance == NULL)
+        return false;
+    if (!vertex_radiosity(p, pipeline->links->area, ROOM_BANDS, pipeline->solution->radiosity,
+                          ply->radiosity, err) ||
+        !vertex_radiosity(p, pipeline->links->area, ROOM_BANDS, pipeline->solution->irradiance,
+                          ply->irradiance, err))
+        return false;
+    for (uint32_t i = 0; i < p->count; i++) {
+        const uint32_t corners = p->first_corner[i + 1] - p->first_corner[i];
+        if (corners > UINT16_MAX)
+            return error_set(err, ERROR_FAILED, "patch %u has %u corners", i, corners);
+        ply->wide = ply->wide || corners > UINT8_MAX;
+    }
+    ply->scale = options->exposure_set ? exp2(options->exposure) / PI : auto_scale(pipeline);
+    return true;
+}
+
+bool ply_write(Pipeline *pipeline, const char *path, Error *err)
+{
+    assert(pipeline->solution != NULL && pipeline->solution->bands == ROOM_BANDS);
+    assert(pipeline->solution->count == pipeline->patches->count);
+    const double begin = progress_now();
+    Ply ply = { .pipeline = pipeline };
+    OutFile *file = NULL;
+    if (ply_prepare(&ply, err))
+        file = outfile_open(path, err);
+    if (file != NULL) {
+        ply.out = outfile_stream(file);
+        put_header(&ply);
+        put_vertices(&ply);
+        put_faces(&ply);
+    }
+    array_free(ply.radiosity);
+    array_free(ply.irradiance);
+    const bool written = file != NULL && outfile_commit(file, err);
+    pipeline_note(pipeline, STAGE_WRITE, begin);
+    return written;
+}

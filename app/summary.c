@@ -1,0 +1,291 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The summary: keys as the documentation lists them. */
+#include "app/summary.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdio.h>
+
+#include "base/file.h"
+
+/* --- JSON -------------------------------------------------------------------------------------- */
+
+static void put_scene(Json *json, const Pipeline *pipeline)
+{
+    const Scene *scene = pipeline->scene;
+    const Polygons *soup = &scene->polygons;
+    uint64_t triangles = 0, emitters = scene->light_count;
+    Vec3 lo = { 0 }, hi = { 0 };
+    for (size_t i = 0; i < soup->polygon_count; i++)
+        triangles += soup->first[i + 1] - soup->first[i] - 2;
+    for (size_t i = 0; i < soup->material_count; i++)
+        emitters += rgb_max(soup->materials[i].emission) > 0;
+    json_open(json, "scene", '{');
+    json_text(json, "file", scene->file);
+    json_count(json, "triangles", triangles);
+    json_count(json, "polygons", soup->polygon_count);
+    json_count(json, "shapes", soup->shape_count);
+    json_count(json, "groups", soup->group_count);
+    json_count(json, "materials", soup->material_count);
+    json_count(json, "emitters", emitters);
+    json_count(json, "lights", scene->light_count);
+    json_count(json, "cameras", scene->camera_count);
+    if (polygons_bounds(soup, &lo, &hi)) {
+        json_open(json, "bounds", '[');
+        json_numbers(json, NULL, (double[]){ lo.x, lo.y, lo.z }, 3);
+        json_numbers(json, NULL, (double[]){ hi.x, hi.y, hi.z }, 3);
+        json_close(json, ']');
+    }
+    json_close(json, '}');
+}
+
+static void put_mesh(Json *json, const Pipeline *pipeline)
+{
+    const Surfaces *s = pipeline->surfaces;
+    const Patches *patches = pipeline->patches;
+    double area = 0;
+    for (uint32_t i = 0; i < s->count; i++)
+        area += s->surface[i].area;
+    json_open(json, "mesh", '{');
+    json_count(json, "surfaces", s->count);
+    if (patches != NULL)
+        json_count(json, "patches", patches->count);
+    json_count(json, "vertices", patches != NULL ? patches->vertex_count : s->vertex_count);
+    json_number(json, "area", area);
+    json_bool(json, "closed", s->closed);
+    if (patches != NULL)
+        json_number(json, "patch_size", patches->size);
+    json_open(json, "repaired", '{');
+    json_count(json, "welded", s->repairs.welded);
+    json_count(json, "duplicate", s->repairs.duplicate);
+    json_count(json, "degenerate", s->repairs.degenerate);
+    json_count(json, "nonmanifold", s->repairs.nonmanifold);
+    json_count(json, "flipped", s->repairs.flipped);
+    json_count(json, "refused", s->repairs.refused);
+    json_close(json, '}');
+    if (pipeline->sides != NULL) {
+        const SidesReport *sides = &pipeline->sides_report;
+        json_open(json, "sides", '{');
+        json_count(json, "front", sides->front);
+        json_count(json, "back", sides->back);
+        json_count(json, "both", sides->both);
+        json_count(json, "none", sides->none);
+        json_count(json, "lamps_turned", sides->lamps_turned);
+        json_close(json, '}');
+    }
+    json_close(json, '}');
+}
+
+static void put_bvh(Json *json, const Pipeline *pipeline)
+{
+    BvhStats stats;
+    bvh_stats(pipeline->bvh, &stats);
+    json_open(json, "bvh", '{');
+    json_count(json, "triangles", stats.triangles);
+    json_count(json, "shapes", stats.shapes);
+    json_count(json, "nodes", stats.nodes);
+    json_count(json, "bytes", stats.bytes);
+    json_number(json, "seconds", stats.seconds);
+    json_close(json, '}');
+}
+
+static void put_errors(Json *json, const LinksReport *report)
+{
+    json_number(json, "row_sum_error_max", report->row_sum_error_max);
+    json_number(json, "row_sum_error_rms", report->row_sum_error_rms);
+    json_number(json, "reciprocity_error_max", report->reciprocity_error_max);
+    json_number(json, "reciprocity_error_rms", report->reciprocity_error_rms);
+}
+
+static void put_factors(Json *json, const Pipeline *pipeline)
+{
+    static const char *const closures[] = { "none", "rows", "reciprocity", "both" };
+    const LinksReport *report = &pipeline->report;
+    const double seconds = pipeline->factors_seconds;
+    json_open(json, "factors", '{');
+    json_count(json, "rays", pipeline->links->rays);
+    json_count(json, "nonzeros", report->nonzeros);
+    json_count(json, "bytes", report->bytes);
+    json_number(json, "seconds", pipeline->seconds[STAGE_FACTORS]);
+    json_number(json, "rays_per_second",
+                seconds > 0 ? (double)pipeline->links->rays / seconds : NAN);
+    json_text(json, "closure", closures[pipeline->session->settings.closure]);
+    put_errors(json, report);
+    json_number(json, "escaped", report->escaped);
+    json_open(json, "raw", '{');
+    put_errors(json, &pipeline->raw);
+    json_close(json, '}');
+    json_close(json, '}');
+}
+
+static void put_solve(Json *json, const Pipeline *pipeline)
+{
+    const Solution *solution = pipeline->solution;
+    double v[4][ROOM_BANDS];
+    json_open(json, "solve", '{');
+    json_text(json, "solver", solver_name(pipeline->session->settings.solver));
+    json_count(json, "iterations", solution->iterations);
+    json_number(json, "residual", solution->residual);
+    json_number(json, "unshot", solution->unshot);
+    json_bool(json, "converged", solution->converged);
+    json_number(json, "seconds", pipeline->seconds[STAGE_SOLVE]);
+    json_close(json, '}');
+    for (int band = 0; band < ROOM_BANDS; band++) {
+        v[0][band] = pipeline->energy[band].emitted;
+        v[1][band] = pipeline->energy[band].absorbed;
+        v[2][band] = pipeline->energy[band].escaped;
+        v[3][band] = pipeline->energy[band].error;
+    }
+    json_open(json, "energy", '{');
+    json_numbers(json, "emitted", v[0], ROOM_BANDS);
+    json_numbers(json, "absorbed", v[1], ROOM_BANDS);
+    json_numbers(json, "escaped", v[2], ROOM_BANDS);
+    json_numbers(json, "balance_error", v[3], ROOM_BANDS);
+    json_text(json, "unit", pipeline->session->options.units == UNITS_PHOTOMETRIC ? "lm" : "W");
+    json_close(json, '}');
+}
+
+static void put_render(Json *json, const Pipeline *pipeline)
+{
+    const Settings *settings = &pipeline->session->settings;
+    json_open(json, "render", '{');
+    json_count(json, "width", (uint64_t)pipeline->width);
+    json_count(json, "height", (uint64_t)pipeline->height);
+    json_count(json, "samples_per_pixel", settings->spp);
+    json_count(json, "gather_rays", settings->gather_rays);
+    json_count(json, "rays", pipeline->render.rays);
+    json_number(json, "seconds", pipeline->render.seconds);
+    json_number(json, "exposure", pipeline->exposure);
+    json_close(json, '}');
+}
+
+static void put_seconds(Json *json, const Pipeline *pipeline)
+{
+    json_open(json, "seconds", '{');
+    json_number(json, "total", progress_now() - pipeline->session->printer.start);
+    for (Stage stage = 0; stage < STAGE_COUNT; stage++)
+        json_number(json, pipeline_stage_name(stage), pipeline->seconds[stage]);
+    json_close(json, '}');
+}
+
+void summary_pipeline(Json *json, const Pipeline *pipeline)
+{
+    assert(json->depth == 1);
+    if (pipeline->scene != NULL)
+        put_scene(json, pipeline);
+    if (pipeline->surfaces != NULL)
+        put_mesh(json, pipeline);
+    if (pipeline->bvh != NULL)
+        put_bvh(json, pipeline);
+    if (pipeline->links != NULL)
+        put_factors(json, pipeline);
+    if (pipeline->solution != NULL)
+        put_solve(json, pipeline);
+    if (pipeline->width > 0)
+        put_render(json, pipeline);
+    put_seconds(json, pipeline);
+}
+
+bool summary_begin(Summary *summary, const Session *session, int exit_code, const Error *failure,
+                   Error *err)
+{
+    *summary = (Summary){ 0 };
+    if (session->options.json == NULL)
+        return true;
+    summary->file = outfile_open(session->options.json, err);
+    if (summary->file == NULL)
+        return false;
+    summary->json = (Json){ .out = outfile_stream(summary->file) };
+    Json *json = &summary->json;
+    json_open(json, NULL, '{');
+    json_count(json, "schema", 1);
+    json_text(json, "program", "isolux");
+    json_text(json, "version", ISOLUX_VERSION);
+    json_text(json, "command", command_name(session->options.command));
+    json_count(json, "exit", (uint64_t)exit_code);
+    if (failure != NULL && error_is_set(failure))
+        json_text(json, "error", failure->text);
+    return true;
+}
+
+bool summary_finish(Summary *summary, const Session *session, Error *err)
+{
+    if (summary->file == NULL)
+        return true;
+    Json *json = &summary->json;
+    json_open(json, "memory", '{');
+    json_count(json, "peak_bytes", progress_peak_bytes());
+    json_close(json, '}');
+    json_open(json, "warnings", '[');
+    for (size_t i = 0; i < session->warning_count; i++) {
+        json_open(json, NULL, '{');
+        json_text(json, "code", session->warnings[i].code);
+        json_text(json, "where", session->warnings[i].where);
+        json_text(json, "text", session->warnings[i].text);
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+    json_close(json, '}');
+    return outfile_commit(summary->file, err);
+}
+
+bool summary_write(const Pipeline *pipeline, int exit_code, const Error *failure, Error *err)
+{
+    Summary summary;
+    if (!summary_begin(&summary, pipeline->session, exit_code, failure, err))
+        return false;
+    if (summary.file != NULL)
+        summary_pipeline(&summary.json, pipeline);
+    return summary_finish(&summary, pipeline->session, err);
+}
+
+/* --- for people -------------------------------------------------------------------------------- */
+
+static void print_light(const Pipeline *pipeline)
+{
+    const Energy *e = pipeline->energy;
+    const char *unit = pipeline->session->options.units == UNITS_PHOTOMETRIC ? "lm" : "W";
+    const Solution *solution = pipeline->solution;
+    const Rgb emitted = rgb(e[0].emitted, e[1].emitted, e[2].emitted);
+    const Rgb absorbed = rgb(e[0].absorbed, e[1].absorbed, e[2].absorbed);
+    const Rgb escaped = rgb(e[0].escaped, e[1].escaped, e[2].escaped);
+    session_say(pipeline->session, "  solve    %s, %u iterations, residual %.2g%s, %.2f s",
+                solver_name(pipeline->session->settings.solver), solution->iterations,
+                solution->residual, solution->converged ? "" : " (tolerance missed)",
+                pipeline->seconds[STAGE_SOLVE]);
+    session_say(pipeline->session,
+                "  energy   emitted %.5g %s, absorbed %.5g, escaped %.5g, balance error %.2g",
+                rgb_luminance(emitted), unit, rgb_luminance(absorbed), rgb_luminance(escaped),
+                fmax(e[0].error, fmax(e[1].error, e[2].error)));
+}
+
+void summary_print(const Pipeline *pipeline)
+{
+    Session *session = pipeline->session;
+    if (pipeline->patches != NULL)
+        session_say(session, "  mesh     %u surfaces, %u patches of at most %.4g, %.2f s",
+                    pipeline->surfaces->count, pipeline->patches->count, pipeline->patches->size,
+                    pipeline->seconds[STAGE_MESH] + pipeline->seconds[STAGE_BVH]);
+    if (pipeline->links != NULL) {
+        const double seconds = pipeline->factors_seconds;
+        const double rate = seconds > 0 ? 1e-6 * (double)pipeline->links->rays / seconds : 0;
+        session_say(session, "  factors  %.3g rays, %.2f Mray/s, %.3g MB, %.2f s",
+                    (double)pipeline->links->rays, rate, 1e-6 * (double)pipeline->report.bytes,
+                    pipeline->seconds[STAGE_FACTORS]);
+        session_say(session,
+                    "           row sums off by %.2g at most (%.2g before closure), reciprocity "
+                    "%.2g (%.2g), escaped %.3g",
+                    pipeline->report.row_sum_error_max, pipeline->raw.row_sum_error_max,
+                    pipeline->report.reciprocity_error_max, pipeline->raw.reciprocity_error_max,
+                    pipeline->report.escaped);
+    }
+    if (pipeline->solution != NULL)
+        print_light(pipeline);
+    if (pipeline->width > 0)
+        session_say(session, "  picture  %d x %d, %u samples, %.3g rays, exposure %+.2f, %.2f s",
+                    pipeline->width, pipeline->height, session->settings.spp,
+                    (double)pipeline->render.rays, pipeline->exposure,
+                    pipeline->seconds[STAGE_GATHER]);
+    session_say(session, "  in all   %.2f s, %.0f MB",
+                progress_now() - session->printer.start, 1e-6 * (double)progress_peak_bytes());
+}
