@@ -19,8 +19,23 @@ void shape_local_parameters(const Shape *shape, Vec3 p, double *u, double *v);
 /* Area vectors under the map: the cofactor matrix of M times n, = det(M) M^-T n. */
 Vec3 shape_cofactor(const Affine *map, Vec3 n);
 
-/* First s in (s_min, s_max) at which origin + s direction meets the torus of ring radius 1 and
- * the given tube radius. direction is a unit vector perpendicular to origin; NaN gives false. */
-bool torus_first(double tube, Vec3 origin, Vec3 direction, double s_min, double s_max, double *s);
+/* A ray in the space of the unit form. Its point is origin + s direction, t = shift + s. */
+typedef struct {
+    Vec3   origin, direction; /* origin is the point nearest to the form's centre */
+    double square;            /* of the direction's length, > 0 */
+    double shift;             /* t of that origin */
+    double t_min, t_max;
+} LocalRay;
+
+/* Whether s is in the ray's range, as the sum that is handed back rounds. */
+static inline bool local_ray_allows(const LocalRay *ray, double s)
+{
+    const double t = ray->shift + s;
+    return t > ray->t_min && t < ray->t_max;
+}
+
+/* First allowed s at which the ray meets the torus of ring radius 1 and the given tube radius. NaN
+ * gives false. */
+bool torus_first(const LocalRay *ray, double tube, double *s);
 
 #endif

@@ -10,13 +10,6 @@
 #include "math/internal.h"
 #include "math/shape.h"
 
-typedef struct {
-    Vec3   origin, direction; /* local; origin is the point nearest to the form's centre */
-    double square;            /* of the direction's length */
-    double shift;             /* t of that origin */
-    double s_min, s_max;      /* the allowed range, counted from there */
-} LocalRay;
-
 /* Each returns whether there is a hit, and its s. */
 static bool sphere_first(const LocalRay *ray, double *s)
 {
@@ -25,14 +18,14 @@ static bool sphere_first(const LocalRay *ray, double *s)
     if (!(c >= 0))
         return false;
     const double half = sqrt(c / ray->square); /* half the chord: origin is its middle */
-    *s = -half > ray->s_min ? -half : half;
-    return *s > ray->s_min && *s < ray->s_max;
+    *s = local_ray_allows(ray, -half) ? -half : half;
+    return local_ray_allows(ray, *s);
 }
 
 static bool disc_first(const LocalRay *ray, double *s)
 {
     *s = -ray->origin.z / ray->direction.z; /* a ray in the plane: infinite or NaN, no hit */
-    if (!(*s > ray->s_min && *s < ray->s_max))
+    if (!local_ray_allows(ray, *s))
         return false;
     const Vec3 p = vec3_mad(ray->origin, *s, ray->direction);
     return p.x * p.x + p.y * p.y <= 1;
@@ -41,7 +34,7 @@ static bool disc_first(const LocalRay *ray, double *s)
 static bool frustum_valid(const LocalRay *ray, double s)
 {
     const double z = ray->origin.z + s * ray->direction.z;
-    return s > ray->s_min && s < ray->s_max && z >= 0 && z <= 1;
+    return local_ray_allows(ray, s) && z >= 0 && z <= 1;
 }
 
 static bool frustum_first(const LocalRay *ray, double ratio, double *s)
@@ -69,17 +62,6 @@ static bool frustum_first(const LocalRay *ray, double ratio, double *s)
     return true;
 }
 
-static bool torus_unit_first(const LocalRay *ray, double tube, double *s)
-{
-    const double length = sqrt(ray->square);
-    const Vec3 unit = vec3_scale(ray->direction, 1 / length);
-
-    if (!torus_first(tube, ray->origin, unit, ray->s_min * length, ray->s_max * length, s))
-        return false;
-    *s /= length;
-    return *s > ray->s_min && *s < ray->s_max;
-}
-
 static bool local_first(const Shape *shape, const LocalRay *ray, double *s)
 {
     switch (shape->kind) {
@@ -92,7 +74,7 @@ static bool local_first(const Shape *shape, const LocalRay *ray, double *s)
     case SHAPE_TORUS:
         break;
     }
-    return torus_unit_first(ray, shape->ratio, s);
+    return torus_first(ray, shape->ratio, s);
 }
 
 bool shape_intersect(const Shape *shape, Vec3 origin, Vec3 direction, double t_min, double t_max,
@@ -100,7 +82,9 @@ bool shape_intersect(const Shape *shape, Vec3 origin, Vec3 direction, double t_m
 {
     assert(shape != NULL && hit != NULL);
     LocalRay ray = { .origin = affine_point(&shape->to_local, origin),
-                     .direction = affine_vector(&shape->to_local, direction) };
+                     .direction = affine_vector(&shape->to_local, direction),
+                     .t_min = t_min,
+                     .t_max = t_max };
     const Vec3 centre = vec3(0, 0, shape->kind == SHAPE_FRUSTUM ? 0.5 : 0);
     double s;
 
@@ -109,14 +93,9 @@ bool shape_intersect(const Shape *shape, Vec3 origin, Vec3 direction, double t_m
         return false;
     ray.shift = vec3_dot(vec3_sub(centre, ray.origin), ray.direction) / ray.square;
     ray.origin = vec3_mad(ray.origin, ray.shift, ray.direction);
-    ray.s_min = t_min - ray.shift;
-    ray.s_max = t_max - ray.shift;
     if (!local_first(shape, &ray, &s))
         return false;
-    const double t = ray.shift + s;
-    if (!(t > t_min && t < t_max)) /* the sum rounds */
-        return false;
-    hit->t = t;
+    hit->t = ray.shift + s;
     shape_local_parameters(shape, vec3_mad(ray.origin, s, ray.direction), &hit->u, &hit->v);
     return true;
 }

@@ -91,23 +91,24 @@ static int turning_points(const Line *line, double lo, double hi, double out[3])
     return count;
 }
 
-bool torus_first(double tube, Vec3 origin, Vec3 direction, double s_min, double s_max, double *s)
+bool torus_first(const LocalRay *ray, double tube, double *s)
 {
     assert(tube > 0 && tube < 1);
-    assert(s != NULL);
-    const double square = vec3_dot(origin, origin);
-    const double reach = (1 + tube) * (1 + tube) - square;
+    assert(ray->square > 0);
+    const double length = sqrt(ray->square);
+    const Vec3 o = ray->origin, d = vec3_scale(ray->direction, 1 / length);
+    const double square = vec3_dot(o, o);
 
-    if (!(reach > 0))
+    if (!(square < (1 + tube) * (1 + tube)))
         return false;
     /* The whole torus lies within 2 of the centre: g > 0 at both ends. */
-    const double lo = fmax(-2, s_min), hi = fmin(2, s_max);
+    const double lo = fmax(-2, (ray->t_min - ray->shift) * length);
+    const double hi = fmin(2, (ray->t_max - ray->shift) * length);
     if (!(lo < hi))
         return false;
-    const double flat = direction.x * direction.x + direction.y * direction.y;
-    const double along = origin.x * direction.x + origin.y * direction.y;
-    const Line line = { origin, direction, tube,
-                        2 * (square + (1 - tube) * (1 + tube)) - 4 * flat, -8 * along };
+    const Line line = { o, d, tube,
+                        2 * (square + (1 - tube) * (1 + tube)) - 4 * (d.x * d.x + d.y * d.y),
+                        -8 * (o.x * d.x + o.y * d.y) };
     double ends[5] = { lo };
     const int turns = turning_points(&line, lo, hi, ends + 1);
     ends[turns + 1] = hi;
@@ -117,8 +118,9 @@ bool torus_first(double tube, Vec3 origin, Vec3 direction, double s_min, double 
     for (int i = 1; i <= turns + 1; i++) {
         const bool next = ring_distance(&line, ends[i], &slope) < 0;
         if (next != inside) {
-            *s = bracket_root(&line, ring_distance, ends[i - 1], ends[i]);
-            return *s > s_min && *s < s_max;
+            *s = bracket_root(&line, ring_distance, ends[i - 1], ends[i]) / length;
+            if (local_ray_allows(ray, *s)) /* else it is the crossing that the ray starts from */
+                return true;
         }
         inside = next;
     }
