@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Two triangles that form a parallelogram become one quad again: exporters cut every wall. */
+#include <assert.h>
+#include <math.h>
+
+#include "base/array.h"
+#include "math/tolerance.h"
+#include "mesh/edges.h"
+#include "mesh/internal.h"
+
+static double largest_coordinate(Vec3 p) { return fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))); }
+
+/* Grades are told apart in steps of this share of a right angle, so that rounding does not choose
+ * between equally good pairs: the order of the file does. */
+static const double GRADE_STEPS = 1024;
+
+/* Whether the triangles at both sides of `use` are a flat parallelogram, and how far from a
+ * rectangle it is: the order of joining, best first. */
+static bool parallelogram(const Pieces *pieces, const Vec3 *position, uint32_t use, uint32_t other,
+                          uint64_t *grade)
+{
+    const Vec3 p = position[pieces->corner[use]], q = position[pieces->corner[use_next(use)]];
+    const Vec3 r = position[pieces->corner[use_next(use_next(use))]];
+    const Vec3 w = position[pieces->corner[use_next(use_next(other))]];
+    const double largest = fmax(fmax(largest_coordinate(p), largest_coordinate(q)),
+                                fmax(largest_coordinate(r), largest_coordinate(w)));
+    /* p + q = r + w makes it flat as well; four points are off by a tolerance each. */
+    const Vec3 gap = vec3_sub(vec3_add(p, q), vec3_add(r, w));
+    if (!(vec3_length(gap) <= 4 * position_tolerance(largest)))
+        return false;
+    const double cosine = vec3_dot(vec3_unit(vec3_sub(p, r)), vec3_unit(vec3_sub(q, r)));
+    *grade = (uint64_t)(fmin(fabs(cosine), 1) * GRADE_STEPS + 0.5);
+    return true;
+}
+
+static bool may_join(const Pieces *pieces, const Connection *connection, const Polygons *soup,
+                     uint32_t use, uint32_t other)
+{
+    const uint32_t i = use / 3, j = other / 3;
+    const uint32_t f = pieces->face[i], g = pieces->face[j];
+    return i < j && pieces->other[i] == PIECE_NONE && pieces->other[j] == PIECE_NONE
+        && connection->reversed[i] == connection->reversed[j]
+        && soup->material[f] == soup->material[g] && soup->group[f] == soup->group[g];
+}
+
+bool pieces_join(Pieces *pieces, const Connection *connection, const Polygons *soup,
+                 const Vec3 *position, Error *err)
+{
+    assert(pieces != NULL && connection != NULL && soup != NULL && position != NULL);
+    const uint32_t uses = 3 * pieces->count;
+    uint64_t *key = array_create(uses / 2 + 1, sizeof *key, "quads", err);
+    if (key == NULL)
+        return false;
+    uint32_t count = 0;
+    for (uint32_t use = 0; use < uses; use++) {
+        const uint32_t other = connection_across(connection, use);
+        uint64_t grade = 0;
+        if (other != PIECE_NONE && may_join(pieces, connection, soup, use, other)
+            && parallelogram(pieces, position, use, other, &grade))
+            key[count++] = grade << 32 | use;
+    }
+    edges_sort_keys(key, count);
+    for (uint32_t k = 0; k < count; k++) {
+        const uint32_t use = (uint32_t)key[k], other = connection_across(connection, use);
+        if (!may_join(pieces, connection, soup, use, other))
+            continue;
+        pieces->diagonal[use / 3] = use;
+        pieces->diagonal[other / 3] = other;
+        pieces->other[use / 3] = other / 3;
+        pieces->other[other / 3] = use / 3;
+    }
+    array_free(key);
+    return true;
+}
