@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* scenes/scene.h -- a whole scene: geometry, materials, lights, cameras; and how to read one.
  *
  * Owns everything it points to. Readers validate: what they return passes scene_check.
