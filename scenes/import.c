@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Foreign scene files: which reader a file gets, and what all readers put into a scene. */
+#include "scenes/import.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+#include "base/array.h"
+
+/* --- names ------------------------------------------------------------------------------------ */
+
+/* Bytes of the UTF-8 character at c, or 0 when there is none. */
+static size_t utf8_length(const unsigned char *c)
+{
+    const size_t length = c[0] < 0x80 ? 1 : c[0] >= 0xC2 && c[0] < 0xE0 ? 2
+                        : (c[0] & 0xF0) == 0xE0 ? 3 : c[0] >= 0xF0 && c[0] < 0xF5 ? 4 : 0;
+
+    for (size_t i = 1; i < length; i++)
+        if ((c[i] & 0xC0) != 0x80)
+            return 0;
+    if (length >= 3) {
+        const unsigned second = c[1];
+        if ((c[0] == 0xE0 && second < 0xA0) || (c[0] == 0xED && second >= 0xA0) ||
+            (c[0] == 0xF0 && second < 0x90) || (c[0] == 0xF4 && second >= 0x90))
+            return 0;
+    }
+    return length;
+}
+
+/* A name that may stand in any output: valid UTF-8, no control characters; '?' for the rest. */
+static void name_clean(const char *name, char *clean, size_t size)
+{
+    const unsigned char *c = (const unsigned char *)name;
+    size_t used = 0;
+
+    while (*c != 0) {
+        const size_t length = utf8_length(c);
+        const bool good = length > 0 && *c >= 0x20 && *c != 0x7F;
+        const size_t put = good ? length : 1;
+        if (used + put >= size)
+            break;
+        if (good)
+            memcpy(clean + used, c, length);
+        else
+            clean[used] = '?';
+        used += put;
+        c += put;
+    }
+    clean[used] = 0;
+}
+
+/* --- what readers add ------------------------------------------------------------------------- */
+
+bool import_add_vertex(ImportTarget *target, Vec3 p, uint32_t *index, Error *err)
+{
+    assert(target != NULL && target->soup != NULL);
+    const Vec3 q = affine_point(&target->map, p);
+
+    if (!vec3_finite(q))
+        return error_at(err, ERROR_INPUT, target->path, 0, "has a position that is not finite");
+    return polygons_add_vertex(target->soup, q, index, err);
+}
+
+bool import_add_face(ImportTarget *target, uint32_t *corners, size_t count, uint32_t material,
+                     uint32_t group, Error *err)
+{
+    assert(target != NULL && corners != NULL && count >= 3);
+    if (target->mirrored)
+        for (size_t i = 0, j = count - 1; i < j; i++, j--) {
+            const uint32_t swap = corners[i];
+            corners[i] = corners[j];
+            corners[j] = swap;
+        }
+    target->faces++;
+    return polygons_add_polygon(target->soup, corners, count, material, group, err);
+}
+
+bool import_add_group(ImportTarget *target, const char *name, uint32_t *index, Error *err)
+{
+    char clean[256];
+
+    name_clean(name, clean, sizeof clean);
+    return polygons_add_group(target->soup, clean[0] != 0 ? clean : target->stem, index, err);
+}
+
+bool import_add_material(ImportTarget *target, const Material *material, uint32_t *index,
+                         Error *err)
+{
+    assert(target != NULL && material != NULL && index != NULL);
+    char clean[256];
+    Material m = *material;
+
+    if (target->replace) {
+        *index = target->material;
+        return true;
+    }
+    name_clean(material->name != NULL ? material->name : "", clean, sizeof clean);
+    m.name = clean;
+    scene_limit_material(&m, target->path, target->options);
+    return polygons_add_material(target->soup, &m, index, err);
+}
+
+bool import_plain_material(ImportTarget *target, uint32_t *index, Error *err)
+{
+    const Material grey = material_default();
+
+    if (target->plain == UINT32_MAX && !import_add_material(target, &grey, &target->plain, err))
+        return false;
+    *index = target->plain;
+    return true;
+}
+
+/* --- files ------------------------------------------------------------------------------------ */
+
+static const char *path_ending(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    const char *dot = strrchr(slash != NULL ? slash : path, '.');
+    return dot != NULL ? dot + 1 : "";
+}
+
+static bool file_usable(const char *path, Error *err)
+{
+    struct stat info;
+
+    if (stat(path, &info) != 0)
+        return error_at(err, ERROR_INPUT, path, 0, "there is no such file, or it cannot be read");
+    if (S_ISDIR(info.st_mode))
+        return error_at(err, ERROR_INPUT, path, 0, "is a folder, not a scene file");
+    if (!S_ISREG(info.st_mode))
+        return error_at(err, ERROR_INPUT, path, 0, "is not a regular file");
+    if (info.st_size == 0)
+        return error_at(err, ERROR_INPUT, path, 0, "the file is empty");
+    if ((uint64_t)info.st_size > import_file_limit)
+        return error_at(err, ERROR_INPUT, path, 0, "is larger than 2 GiB");
+    return true;
+}
+
+/* Reads whatever the file is into the target. */
+static bool target_read(ImportTarget *target, Error *err)
+{
+    const Monitor *monitor = target->options->monitor;
+
+    if (!file_usable(target->path, err))
+        return false;
+    const bool good = strcasecmp(path_ending(target->path), "obj") == 0
+                          ? import_obj(target, err)
+                          : import_from_child(target, import_assimp, err);
+    if (!good)
+        return false;
+    if (target->faces == 0)
+        return error_at(err, ERROR_INPUT, target->path, 0, target->loose > 0
+                        ? "has no faces, only points or lines" : "has no faces");
+    if (target->loose > 0)
+        monitor_warn(monitor, "lines-ignored", target->path,
+                     "%llu points and lines are left out: only faces reflect light",
+                     (unsigned long long)target->loose);
+    return true;
+}
+
+static ImportTarget target_start(const char *path, const SceneReadOptions *options)
+{
+    return (ImportTarget){ .path = path, .options = options, .map = affine_identity(),
+                           .plain = UINT32_MAX };
+}
+
+Scene *scene_read_import(const char *path, const SceneReadOptions *options, Error *err)
+{
+    assert(path != NULL && options != NULL && err != NULL);
+    Scene *scene = scene_create(path, err);
+    ImportTarget target = target_start(path, options);
+
+    if (scene == NULL)
+        return NULL;
+    /* STL comes from machine building, where z is up; the other formats say or agree on y. */
+    scene->up = strcasecmp(path_ending(path), "stl") == 0 ? vec3(0, 0, 1) : vec3(0, 1, 0);
+    target.soup = &scene->polygons;
+    target.scene = scene;
+    if (!target_read(&target, err))
+        return scene_destroy(scene);
+    scene->hash = target.hash;
+    scene->has_screen = scene->camera_count > 0;
+    return scene;
+}
+
+bool scene_import_into(Polygons *soup, const char *path, uint32_t material, const Affine *map,
+                       const SceneReadOptions *options, uint64_t *hash, Error *err)
+{
+    assert(soup != NULL && path != NULL && map != NULL && hash != NULL && err != NULL);
+    assert(material == UINT32_MAX || material < soup->material_count);
+    static const SceneReadOptions usual = { 0 };
+    if (error_is_set(err))
+        return false;
+    ImportTarget target = target_start(path, options != NULL ? options : &usual);
+    const char *slash = strrchr(path, '/');
+    const char *name = slash != NULL ? slash + 1 : path;
+    const char *dot = strrchr(name, '.');
+
+    target.soup = soup;
+    target.map = *map;
+    target.mirrored = affine_determinant(map) < 0;
+    target.replace = material != UINT32_MAX;
+    target.material = material;
+    target.hash = *hash;
+    snprintf(target.stem, sizeof target.stem, "%.*s",
+             (int)(dot != NULL && dot > name ? dot - name : (int)strlen(name)), name);
+    if (!target_read(&target, err))
+        return false;
+    *hash = target.hash;
+    return true;
+}

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* scenes/import.h -- what the parts of the reader of foreign files share; this folder and its tests.
+ *
+ * OBJ is read here, line by line, so that an error names its line and vertices stay as they are in
+ * the file; all other formats pass through assimp in a child process, which hands what it found
+ * back through a pipe. Whatever comes in goes through an ImportTarget.
+ */
+#ifndef SCENES_IMPORT_H
+#define SCENES_IMPORT_H
+
+#include "scenes/internal.h"
+#include "scenes/pipe.h"
+
+/* Greatest file that is read. */
+static const size_t import_file_limit = (size_t)2 << 30;
+
+/* Where polygons, lights and cameras go. */
+typedef struct {
+    Polygons               *soup;
+    Scene                  *scene;      /* gets lights and cameras; NULL: not wanted */
+    const char             *path;
+    const SceneReadOptions *options;    /* not NULL */
+    Affine                  map;        /* applied to positions */
+    bool                    mirrored;   /* the map turns faces round: so does the target */
+    bool                    replace;    /* every polygon gets `material`; none is added */
+    uint32_t                material;
+    uint32_t                plain;      /* the default material once it is needed, or UINT32_MAX */
+    char                    stem[128];  /* group name of polygons in no group */
+    uint64_t                hash;
+    size_t                  faces;      /* polygons added by this file */
+    uint64_t                loose;      /* points and lines that were ignored */
+} ImportTarget;
+
+/* All adders map positions, and return false with *err set when they fail. */
+bool import_add_vertex(ImportTarget *target, Vec3 p, uint32_t *index, Error *err);
+bool import_add_face(ImportTarget *target, uint32_t *corners, size_t count, uint32_t material,
+                     uint32_t group, Error *err);
+bool import_add_group(ImportTarget *target, const char *name, uint32_t *index, Error *err);
+/* Limits the material, adds it, or answers with the one that replaces all. */
+bool import_add_material(ImportTarget *target, const Material *material, uint32_t *index,
+                         Error *err);
+/* The material of faces that have none: grey 0.5. */
+bool import_plain_material(ImportTarget *target, uint32_t *index, Error *err);
+
+/* Reads an OBJ file and its material libraries into the target. */
+bool import_obj(ImportTarget *target, Error *err);
+
+/* --- materials of OBJ (import_mtl.c) ---------------------------------------------------------- */
+
+/* Materials of one or more libraries, by name; all fields are this struct's own. */
+typedef struct {
+    Material *material;     /* [count]  names owned */
+    uint32_t *index;        /* [count]  in the soup once used, UINT32_MAX before */
+    bool     *textured;     /* [count]  has an image for its colour or emission */
+    size_t    count, capacity, index_capacity, textured_capacity;
+    size_t    last;         /* most recent answer: names come in runs */
+} MaterialLibrary;
+
+/* Adds what the file holds. fails  false and ERROR_INPUT when it cannot be read. */
+bool import_mtl(MaterialLibrary *library, const char *path, uint64_t *hash, Error *err);
+/* Position of the material, or SIZE_MAX. */
+size_t library_find(MaterialLibrary *library, const char *name);
+/* Takes over a copy of `material` under that name; *at is its position. */
+bool library_add(MaterialLibrary *library, const char *name, const Material *material, size_t *at,
+                 Error *err);
+void library_clear(MaterialLibrary *library);
+
+/* --- the child (import_child.c, import_receive.c) --------------------------------------------- */
+
+/* Runs in the child: does the dangerous work and writes records to `out`. */
+typedef bool (*ImportWork)(const char *path, PipeWriter *out, Error *err);
+
+/* Forks, lets the child do `work`, takes its records into the target. The child's death, its
+ * running out of time or memory, and records that make no sense are ERROR_INPUT. */
+bool import_from_child(ImportTarget *target, ImportWork work, Error *err);
+
+/* The work for assimp (import_assimp.c). */
+bool import_assimp(const char *path, PipeWriter *out, Error *err);
+
+#endif

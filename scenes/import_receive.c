@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The parent's side of an import: records from the child, each value checked, into the target. */
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "base/file.h"
+#include "scenes/import.h"
+#include "scenes/import_child.h"
+
+static const double   default_seconds = 120;
+static const uint64_t default_memory = (uint64_t)8 << 30;
+
+/* Values taken from the pipe at a time: room grows with what really came. */
+#define CHUNK 4096
+
+typedef struct {
+    ImportTarget *target;
+    PipeReader    in;
+    uint32_t     *material;      /* [material_count]  the child's number -> the soup's */
+    size_t        material_count, material_capacity;
+    uint32_t     *size;          /* corners of each face of the current part */
+    size_t        size_capacity;
+    uint32_t     *corner;        /* of the current face */
+    size_t        corner_capacity;
+} Receiver;
+
+/* --- records ---------------------------------------------------------------------------------- */
+
+static bool material_take(Receiver *r, Error *err)
+{
+    char name[256];
+    Material m = material_default();
+    uint32_t index;
+
+    pipe_get_text(&r->in, name, sizeof name);
+    m.name = name;
+    m.reflectance = pipe_get_rgb(&r->in);
+    m.emission = pipe_get_rgb(&r->in);
+    m.specular = pipe_get_rgb(&r->in);
+    m.exponent = pipe_get_double(&r->in);
+    m.transmittance = pipe_get_rgb(&r->in);
+    m.ior = pipe_get_double(&r->in);
+    if (r->in.state != PIPE_GOOD)
+        return false;
+    if (!(m.ior >= 1) || !isfinite(m.ior) || isnan(m.exponent))
+        return pipe_nonsense(&r->in);
+    if (!array_reserve((void **)&r->material, &r->material_capacity, r->material_count + 1,
+                       sizeof *r->material, "materials", err) ||
+        !import_add_material(r->target, &m, &index, err))
+        return false;
+    r->material[r->material_count++] = index;
+    return true;
+}
+
+static bool vertices_take(Receiver *r, const char *group, uint32_t count, uint32_t *base,
+                          Error *err)
+{
+    Vec3 chunk[CHUNK / sizeof(Vec3)];
+    const uint32_t step = sizeof chunk / sizeof *chunk;
+    uint32_t index;
+
+    for (uint32_t done = 0; done < count;) {
+        const uint32_t take = count - done < step ? count - done : step;
+        if (!pipe_read(&r->in, chunk, take * sizeof *chunk))
+            return false;
+        for (uint32_t i = 0; i < take; i++) {
+            if (!vec3_finite(chunk[i]))
+                return error_at(err, ERROR_INPUT, r->target->path, 0,
+                                "object \"%.80s\" has a vertex that is not finite", group);
+            if (!import_add_vertex(r->target, chunk[i], &index, err))
+                return false;
+            if (done == 0 && i == 0)
+                *base = index;
+        }
+        done += take;
+    }
+    return true;
+}
+
+static bool sizes_take(Receiver *r, uint32_t faces, Error *err)
+{
+    for (uint32_t done = 0; done < faces;) {
+        const uint32_t take = faces - done < CHUNK ? faces - done : CHUNK;
+        if (!array_reserve((void **)&r->size, &r->size_capacity, (size_t)done + take,
+                           sizeof *r->size, "faces", err) ||
+            !pipe_read(&r->in, r->size + done, take * sizeof *r->size))
+            return false;
+        done += take;
+    }
+    return true;
+}
+
+/* The file itself may hold indices out of range (the child refuses them): here it is nonsense. */
+static bool face_take(Receiver *r, uint32_t size, uint32_t base, uint32_t vertices,
+                      uint32_t material, uint32_t group, Error *err)
+{
+    if (size < 3)
+        return pipe_nonsense(&r->in);
+    for (uint32_t i = 0; i < size; i++) {
+        if (!array_reserve((void **)&r->corner, &r->corner_capacity, (size_t)i + 1,
+                           sizeof *r->corner, "corners of a face", err))
+            return false;
+        const uint32_t corner = pipe_get_u32(&r->in);
+        if (r->in.state != PIPE_GOOD)
+            return false;
+        if (corner >= vertices)
+            return pipe_nonsense(&r->in);
+        r->corner[i] = base + corner;
+    }
+    return import_add_face(r->target, r->corner, size, material, group, err);
+}
+
+static bool part_take(Receiver *r, Error *err)
+{
+    char name[256];
+
+    pipe_get_text(&r->in, name, sizeof name);
+    const uint32_t given = pipe_get_u32(&r->in);
+    const uint32_t vertices = pipe_get_u32(&r->in);
+    const uint32_t faces = pipe_get_u32(&r->in);
+    uint32_t base = 0, group, material;
+
+    if (r->in.state != PIPE_GOOD)
+        return false;
+    if (given != PIPE_NO_MATERIAL && given >= r->material_count)
+        return pipe_nonsense(&r->in);
+    if (given == PIPE_NO_MATERIAL) {
+        if (!import_plain_material(r->target, &material, err))
+            return false;
+    } else {
+        material = r->material[given];
+    }
+    if (!import_add_group(r->target, name, &group, err) ||
+        !vertices_take(r, name, vertices, &base, err) || !sizes_take(r, faces, err))
+        return false;
+    for (uint32_t i = 0; i < faces; i++)
+        if (!face_take(r, r->size[i], base, vertices, material, group, err))
+            return false;
+    return true;
+}
+
+static bool light_take(Receiver *r, Error *err)
+{
+    Light light = { 0 };
+
+    pipe_get_text(&r->in, light.name, sizeof light.name);
+    const uint32_t kind = pipe_get_u32(&r->in);
+    light.position = pipe_get_vec3(&r->in);
+    light.direction = pipe_get_vec3(&r->in);
+    light.intensity = pipe_get_rgb(&r->in);
+    light.cos_inner = pipe_get_double(&r->in);
+    light.cos_outer = pipe_get_double(&r->in);
+    if (r->in.state != PIPE_GOOD)
+        return false;
+    const Rgb i = light.intensity;
+    if (kind > LIGHT_COSINE || !vec3_finite(light.position) || !vec3_finite(light.direction) ||
+        !(i.r >= 0 && i.g >= 0 && i.b >= 0 && isfinite(i.r + i.g + i.b)) ||
+        !(light.cos_outer <= light.cos_inner))
+        return pipe_nonsense(&r->in);
+    light.kind = (LightKind)kind;
+    return r->target->scene == NULL || scene_add_light(r->target->scene, &light, err);
+}
+
+static bool camera_take(Receiver *r, Error *err)
+{
+    Camera camera = { 0 };
+
+    pipe_get_text(&r->in, camera.name, sizeof camera.name);
+    camera.eye = pipe_get_vec3(&r->in);
+    camera.target = pipe_get_vec3(&r->in);
+    camera.up = pipe_get_vec3(&r->in);
+    camera.vertical_fov = pipe_get_double(&r->in);
+    camera.aspect = pipe_get_double(&r->in);
+    if (r->in.state != PIPE_GOOD)
+        return false;
+    if (!vec3_finite(camera.eye) || !vec3_finite(camera.target) || !vec3_finite(camera.up) ||
+        !(camera.vertical_fov > 0 && camera.vertical_fov < 180) ||
+        !(camera.aspect >= 0 && isfinite(camera.aspect)))
+        return pipe_nonsense(&r->in);
+    return r->target->scene == NULL || scene_add_camera(r->target->scene, &camera, err);
+}
+
+static bool warning_take(Receiver *r)
+{
+    char code[64], where[256], text[512];
+
+    pipe_get_text(&r->in, code, sizeof code);
+    pipe_get_text(&r->in, where, sizeof where);
+    pipe_get_text(&r->in, text, sizeof text);
+    if (r->in.state != PIPE_GOOD)
+        return false;
+    monitor_warn(r->target->options->monitor, code, where, "%s", text);
+    return true;
+}
+
+static bool error_take(Receiver *r, Error *err)
+{
+    char text[512];
+    const uint32_t code = pipe_get_u32(&r->in);
+
+    pipe_get_text(&r->in, text, sizeof text);
+    if (r->in.state != PIPE_GOOD)
+        return false;
+    return error_set(err, code == ERROR_MEMORY ? ERROR_MEMORY : ERROR_INPUT, "%s", text);
+}
+
+/* --- the whole -------------------------------------------------------------------------------- */
+
+/* Takes one record; false at the last one too, which sets *complete. */
+static bool record_take(Receiver *r, bool *complete, Error *err)
+{
+    uint8_t kind;
+    uint64_t hash;
+
+    if (!pipe_read(&r->in, &kind, 1))
+        return false;
+    switch (kind) {
+    case RECORD_MATERIAL: return material_take(r, err);
+    case RECORD_PART: return part_take(r, err);
+    case RECORD_LIGHT: return light_take(r, err);
+    case RECORD_CAMERA: return camera_take(r, err);
+    case RECORD_WARNING: return warning_take(r);
+    case RECORD_ERROR: return error_take(r, err);
+    case RECORD_LOOSE: r->target->loose += pipe_get_u64(&r->in); return r->in.state == PIPE_GOOD;
+    case RECORD_END:
+        hash = pipe_get_u64(&r->in);
+        r->target->hash = file_hash(&hash, sizeof hash, r->target->hash);
+        *complete = r->in.state == PIPE_GOOD;
+        return false;
+    default: return pipe_nonsense(&r->in);
+    }
+}
+
+/* Why the records broke off, as far as the pipe knows; the child's own end may say more. */
+static void state_tell(const Receiver *r, double seconds, Error *err)
+{
+    const char *path = r->target->path;
+
+    if (r->in.state == PIPE_STOPPED)
+        error_set(err, ERROR_STOPPED, "%s: stopped while it was being read", path);
+    else if (r->in.state == PIPE_TIMEOUT)
+        error_at(err, ERROR_INPUT, path, 0, "the importer needed more than %g seconds", seconds);
+    else if (r->in.state == PIPE_NONSENSE)
+        error_at(err, ERROR_INPUT, path, 0, "the importer handed back data that make no sense; "
+                 "the file is damaged or uses something it cannot read");
+}
+
+bool import_from_child(ImportTarget *target, ImportWork work, Error *err)
+{
+    assert(target != NULL && work != NULL && err != NULL);
+    const SceneReadOptions *options = target->options;
+    const ChildLimits limits = {
+        .seconds = options->import_seconds > 0 ? options->import_seconds : default_seconds,
+        .memory = options->import_memory > 0 ? options->import_memory : default_memory };
+    Receiver r = { .target = target };
+    ImportChild child;
+    bool complete = false;
+
+    if (error_is_set(err) || !child_start(&child, &limits, work, target->path, err))
+        return false;
+    r.in = (PipeReader){ .fd = child.fd, .deadline = pipe_clock() + limits.seconds,
+                         .monitor = options->monitor };
+    while (record_take(&r, &complete, err)) { }
+    state_tell(&r, limits.seconds, err);
+    if (!complete && (error_is_set(err) || r.in.state != PIPE_ENDED))
+        child_kill(&child);
+    child_finish(&child, target->path, err);
+    if (!complete)
+        error_at(err, ERROR_INPUT, target->path, 0, "the importer ended before it was done");
+    array_free(r.material);
+    array_free(r.size);
+    array_free(r.corner);
+    return !error_is_set(err);
+}
