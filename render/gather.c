@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The gatherer: what all pictures and points of one solution share; and light at a free point. */
+#include "render/gather.h"
+
+#include <assert.h>
+#include <math.h>
+
+#include "base/array.h"
+#include "math/sampling.h"
+#include "render/wave.h"
+
+/* Mean edge of a surface's patches. */
+static double cell_of(const Patches *patches, const Surfaces *surfaces, uint32_t i)
+{
+    const Surface *surface = &surfaces->surface[i];
+    const double   nu = patches->nu[i], nv = patches->nv[i];
+    /* A triangle's n x n congruent parts pair up to parallelograms of twice the area. */
+    const double   area = surface->kind == SURFACE_TRIANGLE ? 2 * surface->area : surface->area;
+    return nu > 0 && nv > 0 ? sqrt(area / (nu * nv)) : 0;
+}
+
+/* Reflected radiosity B - E, taken to the vertices. */
+static bool fill_vertices(Gatherer *g, const Solution *solution, const Links *links, Error *err)
+{
+    const Patches *patches = g->room->patches;
+    const size_t   n = patches->count, nv = patches->vertex_count;
+    double *value = array_create(n * ROOM_BANDS, sizeof *value, "gather", err);
+    double *vertex = array_create(nv * ROOM_BANDS, sizeof *vertex, "gather", err);
+    g->vertex = array_create(nv * ROOM_BANDS, sizeof *g->vertex, "gather", err);
+    if (!error_is_set(err)) {
+        for (uint32_t i = 0; i < n; i++) {
+            const Rgb     e = room_emission(g->room, i);
+            const double *b = solution->radiosity + ROOM_BANDS * (size_t)i;
+            double       *v = value + ROOM_BANDS * (size_t)i;
+            v[0] = fmax(b[0] - e.r, 0); /* rounding */
+            v[1] = fmax(b[1] - e.g, 0);
+            v[2] = fmax(b[2] - e.b, 0);
+        }
+        if (vertex_radiosity(patches, links->area, ROOM_BANDS, value, vertex, err))
+            for (size_t i = 0; i < nv * ROOM_BANDS; i++)
+                g->vertex[i] = (float)vertex[i];
+    }
+    array_free(value);
+    array_free(vertex);
+    return !error_is_set(err);
+}
+
+Gatherer *gatherer_create(const Room *room, const Solution *solution, const Links *links,
+                          Error *err)
+{
+    assert(room != NULL && solution != NULL && links != NULL && err != NULL);
+    if (error_is_set(err))
+        return NULL;
+    assert(solution->bands == ROOM_BANDS && solution->count == room->patches->count);
+    assert(links->count == room->patches->count);
+    Gatherer *g = array_create(1, sizeof *g, "gather", err);
+    if (g == NULL)
+        return NULL;
+    g->room = room;
+    g->cell = array_create(room->surfaces->count, sizeof *g->cell, "gather", err);
+    if (g->cell == NULL || !fill_vertices(g, solution, links, err) ||
+        !lamps_init(&g->lamps, room, err))
+        return gatherer_destroy(g);
+    for (uint32_t i = 0; i < room->surfaces->count; i++)
+        g->cell[i] = cell_of(room->patches, room->surfaces, i);
+    return g;
+}
+
+Gatherer *gatherer_destroy(Gatherer *g)
+{
+    if (g == NULL)
+        return NULL;
+    lamps_clear(&g->lamps);
+    array_free(g->vertex);
+    array_free(g->cell);
+    return array_free(g);
+}
+
+/* --- free points ----------------------------------------------------------------------------- */
+
+enum { SCRAMBLINGS = 8 };
+
+/* Point lights need no chance: one ray each. */
+static Rgb light_all(const Room *room, const Receiver *at)
+{
+    Rgb sum = { 0, 0, 0 };
+    for (size_t i = 0; i < room->light_count; i++) {
+        const Rgb e = lamps_light(&room->lights[i], at);
+        if (!(rgb_max(e) > 0))
+            continue;
+        const Ray ray = ray_between(at->point, at->normal, room->lights[i].position,
+                                    vec3(0, 0, 0), room->offset);
+        if (!bvh_blocked(room->bvh, &ray))
+            sum = rgb_add(sum, e);
+    }
+    return sum;
+}
+
+void gather_irradiance(const Gatherer *gatherer, Vec3 point, Vec3 normal, uint32_t rays,
+                       uint32_t seed, Irradiance *out)
+{
+    assert(gatherer != NULL && out != NULL);
+    assert(fabs(vec3_length(normal) - 1) < 1e-6); /* a unit normal in float will do */
+    const Receiver at = { point, normal };
+    const uint32_t each = rays > SCRAMBLINGS ? rays / SCRAMBLINGS : 1;
+    double         first = 0, mean = 0, square = 0;
+    Wave           wave;
+    wave.gatherer = gatherer;
+    wave.rays = 0;
+    *out = (Irradiance){ 0 };
+    for (uint32_t k = 0; k < SCRAMBLINGS; k++) {
+        const WaveOptions options = { .gather_rays = each, .lamp_rays = each > 4 ? each / 4 : 1,
+                                      .seed = sampling_seed(seed, k, 0, 0) };
+        wave.point[0][0] = (WavePoint){ .at = at };
+        wave_gather(&wave, 1, &options);
+        out->direct = rgb_mad(out->direct, 1.0 / SCRAMBLINGS, wave.direct[0]);
+        out->indirect = rgb_mad(out->indirect, 1.0 / SCRAMBLINGS, wave.indirect[0]);
+        /* Differences from the first, so that the squares do not cancel. */
+        const double y = rgb_luminance(rgb_add(wave.direct[0], wave.indirect[0]));
+        first = k == 0 ? y : first;
+        mean += (y - first) / SCRAMBLINGS;
+        square += (y - first) * (y - first) / SCRAMBLINGS;
+    }
+    out->standard_error = sqrt(fmax(square - mean * mean, 0) / (SCRAMBLINGS - 1));
+    out->direct = rgb_add(out->direct, light_all(gatherer->room, &at));
+}

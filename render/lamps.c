@@ -1,0 +1,354 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The list of lamps, and the choice among them. */
+#include "render/lamps.h"
+
+#include <assert.h>
+#include <float.h>
+
+#include "base/array.h"
+
+static const double PI = 3.14159265358979323846;
+
+/* --- the list -------------------------------------------------------------------------------- */
+
+static double strength_of(Rgb radiance)
+{
+    const double y = rgb_luminance(radiance);
+    return y > 0 ? y : rgb_max(radiance);
+}
+
+static bool lamps_add(Lamps *lamps, const Lamp *lamp, Error *err)
+{
+    void  *array = lamps->lamp;
+    size_t capacity = lamps->capacity;
+    if (lamp->facet.count > 0 && !(lamp->area > 0))
+        return true;
+    if (lamps->count == UINT32_MAX / 2)
+        return error_set(err, ERROR_INPUT, "more than %u lamps", lamps->count);
+    if (!array_reserve(&array, &capacity, (size_t)lamps->count + 1, sizeof *lamp, "lamps", err))
+        return false;
+    lamps->lamp = array;
+    lamps->capacity = capacity > UINT32_MAX ? UINT32_MAX : (uint32_t)capacity;
+    lamps->lamp[lamps->count++] = *lamp;
+    return true;
+}
+
+/* A facet over corners given counter-clockwise from the front; turned for the back. */
+static bool add_facet(Lamps *lamps, Lamp lamp, const Vec3 *corner, int count, Error *err)
+{
+    Vec3 turned[4];
+    for (int i = 0; i < count; i++)
+        turned[i] = corner[lamp.side == 0 ? i : count - 1 - i];
+    facet_init(&lamp.facet, turned, count);
+    lamp.area = lamp.facet.area;
+    lamp.centre = vec3(0, 0, 0);
+    for (int i = 0; i < count; i++)
+        lamp.centre = vec3_mad(lamp.centre, 1.0 / count, corner[i]);
+    for (int i = 0; i < count; i++)
+        lamp.radius = fmax(lamp.radius, vec3_length(vec3_sub(corner[i], lamp.centre)));
+    return lamps_add(lamps, &lamp, err);
+}
+
+static bool add_curved(Lamps *lamps, Lamp lamp, const Surface *surface, const Surfaces *surfaces,
+                       Error *err)
+{
+    Vec3 lo, hi;
+    shape_bounds(&surfaces->shape[surface->primitive - surfaces->triangle_count], &lo, &hi);
+    lamp.area = surface->area;
+    lamp.centre = vec3_lerp(lo, hi, 0.5);
+    lamp.radius = vec3_length(vec3_sub(hi, lo)) / 2;
+    return lamps_add(lamps, &lamp, err);
+}
+
+static Vec3 corner_of(const Surfaces *surfaces, uint32_t triangle, unsigned k)
+{
+    return surfaces->position[surfaces->corner[3 * (size_t)triangle + k]];
+}
+
+static bool add_surface(Lamps *lamps, uint32_t index, unsigned side, Error *err)
+{
+    const Surfaces *surfaces = lamps->room->surfaces;
+    const Surface  *surface = &surfaces->surface[index];
+    Lamp lamp = { .surface = index, .side = side,
+                  .radiance = lamps->room->materials[surface->material].emission };
+    lamp.strength = strength_of(lamp.radiance);
+    if (!(lamp.strength > 0))
+        return true;
+    if (surface->kind == SURFACE_SHAPE)
+        return add_curved(lamps, lamp, surface, surfaces, err);
+    const uint32_t t = surface->primitive;
+    Vec3 v[4] = { corner_of(surfaces, t, 0), corner_of(surfaces, t, 1),
+                  corner_of(surfaces, t, 2) };
+    if (surface->kind == SURFACE_TRIANGLE)
+        return add_facet(lamps, lamp, v, 3, err);
+    v[3] = corner_of(surfaces, t + 1, 2);
+    /* A parallelogram up to what float coordinates can say of one; else its two triangles. */
+    const Vec3   gap = vec3_sub(vec3_add(v[0], v[2]), vec3_add(v[1], v[3]));
+    const double size = vec3_length(vec3_sub(v[2], v[0])) + surfaces->largest_coordinate;
+    if (vec3_length(gap) <= 4 * FLT_EPSILON * size)
+        return add_facet(lamps, lamp, v, 4, err);
+    const Vec3 second[3] = { v[0], v[2], v[3] };
+    return add_facet(lamps, lamp, v, 3, err) && add_facet(lamps, lamp, second, 3, err);
+}
+
+/* Shares of power, running, for scenes with many lamps. */
+static bool sum_powers(Lamps *lamps, Error *err)
+{
+    lamps->below = array_create((size_t)lamps->count + 1, sizeof *lamps->below, "lamps", err);
+    if (lamps->below == NULL)
+        return false;
+    for (uint32_t i = 0; i < lamps->count; i++)
+        lamps->below[i + 1] = lamps->below[i] + lamps->lamp[i].strength * lamps->lamp[i].area;
+    for (uint32_t i = 1; i <= lamps->count; i++)
+        lamps->below[i] /= lamps->below[lamps->count] > 0 && i < lamps->count
+                               ? lamps->below[lamps->count] : lamps->below[i];
+    return true;
+}
+
+static bool index_surfaces(Lamps *lamps, Error *err)
+{
+    const size_t n = lamps->room->surfaces->count;
+    lamps->first = array_create(2 * n, sizeof *lamps->first, "lamps", err);
+    if (lamps->first == NULL)
+        return false;
+    for (size_t i = 0; i < 2 * n; i++)
+        lamps->first[i] = UINT32_MAX;
+    for (uint32_t i = lamps->count; i-- > 0;)
+        lamps->first[lamps->lamp[i].side * n + lamps->lamp[i].surface] = i;
+    return true;
+}
+
+bool lamps_init(Lamps *lamps, const Room *room, Error *err)
+{
+    *lamps = (Lamps){ .room = room, .flat = true };
+    for (uint32_t i = 0; i < room->surfaces->count; i++)
+        for (unsigned side = 0; side < 2; side++)
+            if (room->emitting[i] >> side & 1 && !add_surface(lamps, i, side, err))
+                return false;
+    for (uint32_t i = 0; i < lamps->count; i++)
+        lamps->flat = lamps->flat && lamps->lamp[i].facet.count > 0;
+    const bool many = lamps->count > LAMPS_WEIGHED;
+    lamps->shared = many || !lamps->flat;
+    lamps->flat = lamps->flat && !many;
+    if (many && !sum_powers(lamps, err))
+        return false;
+    return !lamps->shared || index_surfaces(lamps, err);
+}
+
+void lamps_clear(Lamps *lamps)
+{
+    array_free(lamps->lamp);
+    array_free(lamps->below);
+    array_free(lamps->first);
+    *lamps = (Lamps){ 0 };
+}
+
+/* --- weights --------------------------------------------------------------------------------- */
+
+/* What a curved lamp sends to the receiver, roughly: 0 only when it certainly sends nothing. */
+static double curved_weight(const Lamp *lamp, const Receiver *at)
+{
+    const Vec3   d = vec3_sub(lamp->centre, at->point);
+    const double distance = vec3_length(d);
+    const double above = vec3_dot(d, at->normal) + lamp->radius; /* highest point of its ball */
+    if (above <= 0)
+        return 0;
+    const double reach = fmax(distance, lamp->radius);
+    return lamp->strength * lamp->area * fmin(above / reach, 1) / (reach * reach);
+}
+
+/* A receiver nearer to a facet's plane than rays' origins are moved sees nothing of it. */
+static double lamp_weight(const Lamps *lamps, const Lamp *lamp, const Receiver *at)
+{
+    if (lamp->facet.count == 0)
+        return curved_weight(lamp, at);
+    if (facet_height(&lamp->facet, at->point) <= lamps->room->offset)
+        return 0;
+    return lamp->strength * facet_irradiance(&lamp->facet, at->point, at->normal);
+}
+
+/* Fills weight[0..count] with the weights' running sums; the last is their total. */
+static double weigh(const Lamps *lamps, const Receiver *at, double *below)
+{
+    assert(lamps->count <= LAMPS_WEIGHED);
+    below[0] = 0;
+    for (uint32_t i = 0; i < lamps->count; i++)
+        below[i + 1] = below[i] + lamp_weight(lamps, &lamps->lamp[i], at);
+    return below[lamps->count];
+}
+
+/* Finds i with below[i] <= x < below[i + 1] and moves x to its place between them, 0..1. */
+static uint32_t pick(const double *below, uint32_t count, double *x)
+{
+    uint32_t lo = 0, hi = count;
+    while (hi - lo > 1) {
+        const uint32_t middle = lo + (hi - lo) / 2;
+        if (below[middle] <= *x)
+            lo = middle;
+        else
+            hi = middle;
+    }
+    /* x may round up to the total: back to the last that has a width. */
+    while (lo > 0 && !(below[lo + 1] > below[lo]))
+        lo--;
+    const double width = below[lo + 1] - below[lo];
+    *x = width > 0 ? fmin(fmax((*x - below[lo]) / width, 0), 1 - DBL_EPSILON) : 0;
+    return lo;
+}
+
+/* --- samples --------------------------------------------------------------------------------- */
+
+/* A point of the lamp; returns 1 / density per solid angle, 0 when it shows its dark side. */
+static double lamp_point(const Lamps *lamps, const Lamp *lamp, const Receiver *at, double a,
+                         double b, LampSample *out)
+{
+    if (lamp->facet.count > 0) {
+        if (facet_height(&lamp->facet, at->point) <= lamps->room->offset)
+            return 0;
+        out->normal = lamp->facet.normal;
+        return facet_sample(&lamp->facet, at->point, a, b, &out->point);
+    }
+    SurfacePoint p;
+    surfaces_point(lamps->room->surfaces, lamp->surface, a, b, &p);
+    out->point = p.point;
+    out->normal = lamp->side == 0 ? p.normal : vec3_scale(p.normal, -1);
+    const Vec3   d = vec3_sub(at->point, p.point);
+    const double dd = vec3_dot(d, d), height = vec3_dot(d, out->normal);
+    return height > lamps->room->offset ? p.density * height / (dd * sqrt(dd)) : 0;
+}
+
+/* Share of the lamp sample against a hemisphere ray in the same direction: the balance heuristic.
+ * spread: 1 / density of the lamp sample, choice of the lamp included. */
+static double balance(double lamp_rays, double spread, double gather_rays, double cosine)
+{
+    const double lamp = lamp_rays, gather = gather_rays * cosine / PI * spread;
+    return lamp / (lamp + gather);
+}
+
+bool lamps_sample(const Lamps *lamps, const Receiver *at, double lamp_rays, double gather_rays,
+                  double a, double b, LampSample *out)
+{
+    double        weighed[LAMPS_WEIGHED + 1];
+    const double *below = lamps->below != NULL ? lamps->below : weighed;
+    const double  total = lamps->below != NULL ? 1 : weigh(lamps, at, weighed);
+    if (lamps->count == 0 || !(total > 0))
+        return false;
+    double x = a * total;
+    const uint32_t k = pick(below, lamps->count, &x);
+    const Lamp    *lamp = &lamps->lamp[k];
+    const double   chance = (below[k + 1] - below[k]) / total;
+    const double   spread = lamp_point(lamps, lamp, at, x, b, out);
+    const double   cosine = spread > 0 ? vec3_dot(vec3_unit(vec3_sub(out->point, at->point)),
+                                                  at->normal)
+                                       : 0;
+    out->value = rgb(0, 0, 0);
+    if (cosine > 0) {
+        double value = cosine * spread / chance;
+        if (lamps->below != NULL || lamp->facet.count == 0)
+            value *= balance(lamp_rays, spread / chance, gather_rays, cosine);
+        out->value = rgb_scale(lamp->radiance, value);
+    }
+    out->control = out->value;
+    if (lamps->flat) { /* the weights are the irradiances: their sum is what all samples' mean is */
+        out->control = rgb(0, 0, 0);
+        for (uint32_t i = 0; i < lamps->count; i++)
+            out->control = rgb_mad(out->control, (below[i + 1] - below[i]) / lamps->lamp[i].strength,
+                                   lamps->lamp[i].radiance);
+    } else if (lamps->below == NULL && lamp->facet.count > 0) {
+        out->control = rgb_scale(lamp->radiance, total / lamp->strength);
+    }
+    return true;
+}
+
+/* The lamp a hit belongs to: a bent quad has two, told apart by the primitive. */
+static uint32_t lamp_of(const Lamps *lamps, const RoomHit *hit)
+{
+    const Surfaces *surfaces = lamps->room->surfaces;
+    const uint32_t  k = lamps->first[hit->side * (size_t)surfaces->count + hit->surface];
+    if (k == UINT32_MAX || lamps->lamp[k].facet.count != 3)
+        return k;
+    const bool second = hit->primitive != surfaces->surface[hit->surface].primitive;
+    const bool follows = k + 1 < lamps->count && lamps->lamp[k + 1].surface == hit->surface &&
+                         lamps->lamp[k + 1].side == hit->side;
+    return second && follows ? k + 1 : k;
+}
+
+double lamps_share(const Lamps *lamps, const Receiver *at, double lamp_rays, double gather_rays,
+                   const RoomHit *hit)
+{
+    if (!lamps->shared)
+        return 0;
+    const uint32_t k = lamp_of(lamps, hit);
+    if (k == UINT32_MAX)
+        return 0;
+    const Lamp *lamp = &lamps->lamp[k];
+    if (lamp->facet.count > 0 && lamps->below == NULL)
+        return 0;
+    const Vec3   d = vec3_sub(hit->point, at->point);
+    const double dd = vec3_dot(d, d), cosine = vec3_dot(d, at->normal) / sqrt(dd);
+    if (!(cosine > 0))
+        return 0;
+    double chance, spread;
+    if (lamps->below != NULL) {
+        chance = lamps->below[k + 1] - lamps->below[k];
+    } else {
+        double below[LAMPS_WEIGHED + 1];
+        const double total = weigh(lamps, at, below);
+        chance = total > 0 ? (below[k + 1] - below[k]) / total : 0;
+    }
+    if (lamp->facet.count > 0) {
+        if (facet_height(&lamp->facet, at->point) <= lamps->room->offset)
+            return 1; /* lamp samples leave this out */
+        spread = facet_spread(&lamp->facet, at->point, hit->point);
+    } else {
+        SurfacePoint p;
+        surfaces_point(lamps->room->surfaces, hit->surface, hit->s, hit->t, &p);
+        const double height = -vec3_dot(d, hit->normal);
+        if (height <= lamps->room->offset)
+            return 1;
+        spread = p.density * height / (dd * sqrt(dd));
+    }
+    return chance > 0 ? 1 - balance(lamp_rays, spread / chance, gather_rays, cosine) : 1;
+}
+
+/* --- point lights ---------------------------------------------------------------------------- */
+
+Rgb lamps_light(const Light *light, const Receiver *at)
+{
+    const Vec3   d = vec3_sub(light->position, at->point);
+    const double dd = vec3_dot(d, d), height = vec3_dot(d, at->normal);
+    if (!(height > 0))
+        return rgb(0, 0, 0);
+    const double distance = sqrt(dd);
+    const double share = light_share(light, vec3_scale(d, -1 / distance));
+    return rgb_scale(light->intensity, share * height / (dd * distance));
+}
+
+bool lamps_sample_light(const Lamps *lamps, const Receiver *at, double a, LampSample *out)
+{
+    const Room *room = lamps->room;
+    double      total = 0;
+    Rgb         all = { 0, 0, 0 };
+    for (size_t i = 0; i < room->light_count; i++) {
+        const Rgb e = lamps_light(&room->lights[i], at);
+        total += strength_of(e);
+        all = rgb_add(all, e);
+    }
+    if (!(total > 0))
+        return false;
+    double below = 0;
+    for (size_t i = 0; i < room->light_count; i++) {
+        const Rgb    e = lamps_light(&room->lights[i], at);
+        const double strength = strength_of(e);
+        below += strength;
+        /* The second part of the test: a total that rounding kept above the sum. */
+        if (strength > 0 && (a * total < below || below >= total * (1 - DBL_EPSILON))) {
+            out->point = room->lights[i].position;
+            out->normal = vec3(0, 0, 0);
+            out->value = rgb_scale(e, total / strength);
+            out->control = all;
+            return true;
+        }
+    }
+    return false;
+}

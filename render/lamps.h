@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* render/lamps.h -- all that emits, and how to choose where on it to aim a shadow ray.
+ *
+ * A lamp is a flat facet or a curved surface, one side of it. With few lamps each receiving point
+ * weighs them by what they would send there if nothing were in the way: for facets that is exact
+ * (Lambert's formula), so one sample of one lamp, times the exact sum, has no noise where all is
+ * lit or all is dark. Many lamps are chosen by power; then, and for curved lamps always, hemisphere
+ * rays that hit a lamp count too, by multiple importance sampling [veach95].
+ * Threads  never changes once made.
+ */
+#ifndef RENDER_LAMPS_H
+#define RENDER_LAMPS_H
+
+#include "math/light.h"
+#include "radiosity/room.h"
+#include "render/facet.h"
+
+/* Up to so many lamps are weighed at each point; more are chosen by power. */
+enum { LAMPS_WEIGHED = 64 };
+
+typedef struct {
+    Facet    facet;    /* count 0: curved */
+    uint32_t surface;
+    unsigned side;
+    Rgb      radiance;
+    double   strength; /* luminance of the radiance; for a colour without any: its largest band */
+    double   area;
+    Vec3     centre;
+    double   radius;   /* of a ball around the lamp */
+} Lamp;
+
+typedef struct {
+    const Room *room;
+    Lamp       *lamp;    /* [count] */
+    uint32_t    count, capacity;
+    double     *below;   /* [count + 1]  power of the lamps before, shares of 1; count above
+                            LAMPS_WEIGHED only */
+    uint32_t   *first;   /* [2 * surfaces->count]  side * count + surface -> its first lamp, the
+                            others follow; or UINT32_MAX. NULL when `shared` is false */
+    bool        shared;  /* hemisphere rays that hit lamps count */
+    bool        flat;    /* all lamps are facets, weighed exactly */
+} Lamps;
+
+bool lamps_init(Lamps *lamps, const Room *room, Error *err);
+void lamps_clear(Lamps *lamps);
+
+/* A receiving point: rays leave it towards the side of the normal. */
+typedef struct {
+    Vec3 point, normal;
+} Receiver;
+
+/* A place to aim at. value: its irradiance over its density, if nothing is in the way;
+ * control: what the mean of `value` over all choices is known to be (or value itself). */
+typedef struct {
+    Vec3 point, normal; /* normal (0,0,0): a point light */
+    Rgb  value, control;
+} LampSample;
+
+/* Chooses by (a, b) in [0,1)^2. lamp_rays and gather_rays: how many of each the receiver gets, for
+ * their weights. false: no lamp can light it at all. */
+bool lamps_sample(const Lamps *lamps, const Receiver *at, double lamp_rays, double gather_rays,
+                  double a, double b, LampSample *out);
+
+/* Share of a hemisphere ray that left `at` and met the lamp on hit's surface and side; 0 where
+ * lamp samples do it all. */
+double lamps_share(const Lamps *lamps, const Receiver *at, double lamp_rays, double gather_rays,
+                   const RoomHit *hit);
+
+/* Irradiance from point light k at the receiver, if nothing is in the way. */
+Rgb lamps_light(const Light *light, const Receiver *at);
+/* Chooses one of the point lights by what it sends there; false: none does. */
+bool lamps_sample_light(const Lamps *lamps, const Receiver *at, double a, LampSample *out);
+
+#endif

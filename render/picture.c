@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The picture: eye's rays through every pixel, mirrors and glass on the way, light where they end.
+ *
+ * A pixel is the mean over its square (a box of one pixel), sampled at points of a scrambled Sobol'
+ * sequence; each kind of choice has a sequence of its own that runs on through all samples of the
+ * pixel. Tiles are independent, so threads change nothing.
+ */
+#include <assert.h>
+#include <time.h>
+
+#include "base/array.h"
+#include "base/parallel.h"
+#include "math/sampling.h"
+#include "render/internal.h"
+#include "render/specular.h"
+#include "render/wave.h"
+
+enum { TILE = 16, BOUNCES = 8 };
+enum { SEED_PIXEL = 100, SEED_SPECULAR, SEED_WAVE = 200 }; /* + bounce for the last */
+
+static const double PI = 3.14159265358979323846;
+
+/* One sample of a pixel on its way. */
+typedef struct {
+    Ray  ray;
+    Rgb  weight;
+    uint32_t index;
+} EyeRay;
+
+typedef struct {
+    const Gatherer      *gatherer;
+    const RenderOptions *options; /* defaults filled in */
+    CameraRays           camera;
+    Image               *image;
+    uint32_t             tiles_x;
+    uint64_t            *rays;    /* [tiles] */
+    struct Worker       *worker;  /* [threads] */
+} Render;
+
+typedef struct Worker {
+    Wave    wave;
+    EyeRay  eye[WAVE_POINTS];
+    Ray     ray[WAVE_POINTS];
+    Hit     hit[WAVE_POINTS];
+    Rgb     throughput[WAVE_POINTS]; /* of the receiving points: weight * albedo / pi */
+    Rgb     albedo[WAVE_POINTS];
+} Worker;
+
+/* Sums over a pixel's samples. */
+typedef struct {
+    Rgb radiance, direct, indirect, albedo, irradiance;
+} Pixel;
+
+static Ray eye_ray(const CameraRays *camera, double x, double y)
+{
+    const Vec3 d = camera_rays_direction(camera, x, y);
+    return (Ray){ .ox = (float)camera->eye.x, .oy = (float)camera->eye.y,
+                  .oz = (float)camera->eye.z, .t_min = 0, .dx = (float)d.x, .dy = (float)d.y,
+                  .dz = (float)d.z, .t_max = INFINITY };
+}
+
+static bool emits(const Room *room, const RoomHit *hit)
+{
+    return room->emitting[hit->surface] >> hit->side & 1;
+}
+
+/* Handles one end of an eye's ray: what it shows by itself, a receiving point, a ray further on.
+ * Returns whether eye[*next] was filled. */
+static bool end_of_ray(const Render *render, Worker *worker, uint32_t i, unsigned bounce,
+                       uint32_t *points, uint32_t pixel_seed, Pixel *pixel, EyeRay *on)
+{
+    const Room   *room = render->gatherer->room;
+    const EyeRay *eye = &worker->eye[i];
+    if (worker->hit[i].primitive == RAY_MISS) {
+        pixel->radiance = rgb_add(pixel->radiance,
+                                  rgb_mul(eye->weight, render->options->background));
+        return false;
+    }
+    const Vec3 in = vec3(eye->ray.dx, eye->ray.dy, eye->ray.dz);
+    RoomHit    hit;
+    room_hit(room, &worker->hit[i], in, &hit);
+    const Material *m = &room->materials[room->surfaces->surface[hit.surface].material];
+    if (emits(room, &hit))
+        pixel->radiance = rgb_add(pixel->radiance, rgb_mul(eye->weight, m->emission));
+    if (bounce == 0 || rgb_max(m->reflectance) > 0) {
+        const uint32_t k = (*points)++;
+        worker->wave.point[0][k] = (WavePoint){ .at = { hit.point, hit.normal },
+                                                .index = eye->index };
+        worker->albedo[k] = m->reflectance;
+        worker->throughput[k] = rgb_scale(rgb_mul(eye->weight, m->reflectance), 1 / PI);
+    }
+    if (render->options->diffuse_only || bounce == BOUNCES || !specular_exists(m))
+        return false;
+    float u[4];
+    Rgb   weight;
+    sampling_sobol4(eye->index, sampling_seed(pixel_seed, SEED_SPECULAR, bounce, 0), u);
+    *on = (EyeRay){ .index = eye->index };
+    if (!specular_continue(room, &hit, vec3_unit(in), u, &on->ray, &weight))
+        return false;
+    on->weight = rgb_mul(eye->weight, weight);
+    return rgb_max(on->weight) > 0;
+}
+
+/* Adds what the receiving points of one bounce found. */
+static void add_points(const Worker *worker, uint32_t points, unsigned bounce, Pixel *pixel)
+{
+    for (uint32_t k = 0; k < points; k++) {
+        const Rgb direct = worker->wave.direct[k], indirect = worker->wave.indirect[k];
+        const Rgb e = rgb_add(direct, indirect);
+        pixel->radiance = rgb_add(pixel->radiance, rgb_mul(worker->throughput[k], e));
+        if (bounce > 0)
+            continue;
+        pixel->direct = rgb_add(pixel->direct, rgb_mul(worker->throughput[k], direct));
+        pixel->indirect = rgb_add(pixel->indirect, rgb_mul(worker->throughput[k], indirect));
+        pixel->albedo = rgb_add(pixel->albedo, worker->albedo[k]);
+        pixel->irradiance = rgb_add(pixel->irradiance, e);
+    }
+}
+
+/* Samples begin..begin+count-1 of the pixel, count <= WAVE_POINTS. */
+static void render_samples(const Render *render, Worker *worker, int x, int y, uint32_t begin,
+                           uint32_t count, uint32_t pixel_seed, Pixel *pixel)
+{
+    const RenderOptions *o = render->options;
+    const uint32_t       seed = sampling_mix(pixel_seed + SEED_PIXEL);
+    for (uint32_t i = 0; i < count; i++) {
+        float u[2];
+        sampling_sobol2(begin + i, seed, u);
+        worker->eye[i] = (EyeRay){ .ray = eye_ray(&render->camera, x + (double)u[0],
+                                                  y + (double)u[1]),
+                                   .weight = { 1, 1, 1 }, .index = begin + i };
+    }
+    for (unsigned bounce = 0; count > 0; bounce++) {
+        uint32_t points = 0, next = 0;
+        assert(bounce <= BOUNCES);
+        for (uint32_t i = 0; i < count; i++)
+            worker->ray[i] = worker->eye[i].ray;
+        bvh_nearest_many(render->gatherer->room->bvh, worker->ray, worker->hit, count);
+        worker->wave.rays += count;
+        for (uint32_t i = 0; i < count; i++) {
+            EyeRay on;
+            if (end_of_ray(render, worker, i, bounce, &points, pixel_seed, pixel, &on))
+                worker->eye[next++] = on;
+        }
+        const WaveOptions wave = { .gather_rays = o->gather_rays, .lamp_rays = o->light_rays,
+                                   .seed = sampling_mix(pixel_seed + SEED_WAVE + bounce),
+                                   .lights = true };
+        wave_gather(&worker->wave, points, &wave);
+        add_points(worker, points, bounce, pixel);
+        count = next;
+    }
+}
+
+static void store(float *out, Rgb sum, double scale)
+{
+    out[0] = (float)(sum.r * scale);
+    out[1] = (float)(sum.g * scale);
+    out[2] = (float)(sum.b * scale);
+}
+
+/* What the pixel's centre shows first: normal, distance, patch. */
+static void store_centre(const Render *render, Worker *worker, int x, int y, size_t at)
+{
+    const Room *room = render->gatherer->room;
+    const Ray   ray = eye_ray(&render->camera, x + 0.5, y + 0.5);
+    Hit         h;
+    worker->wave.rays++;
+    if (!bvh_nearest(room->bvh, &ray, &h))
+        return;
+    RoomHit hit;
+    room_hit(room, &h, vec3(ray.dx, ray.dy, ray.dz), &hit);
+    Image *image = render->image;
+    image->normal[3 * at] = (float)hit.normal.x;
+    image->normal[3 * at + 1] = (float)hit.normal.y;
+    image->normal[3 * at + 2] = (float)hit.normal.z;
+    image->depth[at] = (float)vec3_length(vec3_sub(hit.point, render->camera.eye));
+    image->patch[at] = hit.patch;
+}
+
+static void render_pixel(const Render *render, Worker *worker, int x, int y)
+{
+    const uint32_t samples = render->options->samples;
+    const size_t   at = (size_t)y * (size_t)render->image->width + (size_t)x;
+    const uint32_t seed = sampling_seed((uint32_t)x, (uint32_t)y, render->options->seed, 1);
+    Pixel          pixel = { 0 };
+    for (uint32_t begin = 0; begin < samples; begin += WAVE_POINTS) {
+        const uint32_t left = samples - begin;
+        render_samples(render, worker, x, y, begin, left < WAVE_POINTS ? left : WAVE_POINTS, seed,
+                       &pixel);
+    }
+    Image       *image = render->image;
+    const double scale = 1.0 / samples;
+    store(image->radiance + 3 * at, pixel.radiance, scale);
+    store(image->direct + 3 * at, pixel.direct, scale);
+    store(image->indirect + 3 * at, pixel.indirect, scale);
+    store(image->albedo + 3 * at, pixel.albedo, scale);
+    store(image->irradiance + 3 * at, pixel.irradiance, scale);
+    store_centre(render, worker, x, y, at);
+}
+
+static void render_tiles(void *context, uint32_t begin, uint32_t end, unsigned thread)
+{
+    const Render *render = context;
+    Worker       *worker = &render->worker[thread];
+    for (uint32_t tile = begin; tile < end; tile++) {
+        const int x0 = (int)(tile % render->tiles_x) * TILE, y0 = (int)(tile / render->tiles_x) * TILE;
+        worker->wave.rays = 0;
+        for (int y = y0; y < y0 + TILE && y < render->image->height; y++)
+            for (int x = x0; x < x0 + TILE && x < render->image->width; x++)
+                render_pixel(render, worker, x, y);
+        render->rays[tile] = worker->wave.rays;
+    }
+}
+
+static double seconds_now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static RenderOptions with_defaults(const RenderOptions *options)
+{
+    RenderOptions o = *options;
+    o.samples = o.samples > 0 ? o.samples : 64;
+    o.gather_rays = o.gather_rays > 0 ? o.gather_rays : 4;
+    o.light_rays = o.light_rays > 0 ? o.light_rays : 1;
+    o.threads = parallel_threads(o.threads);
+    return o;
+}
+
+/* Runs the tiles; the scratch space of threads is made and freed here. */
+static void render_run(Render *render, RenderReport *report, const Monitor *monitor, Error *err)
+{
+    const uint32_t tiles_y = ((uint32_t)render->image->height + TILE - 1) / TILE;
+    const uint32_t tiles = render->tiles_x * tiles_y;
+    const double   start = seconds_now();
+    render->rays = array_create(tiles, sizeof *render->rays, "picture", err);
+    render->worker = array_create(render->options->threads, sizeof *render->worker, "picture", err);
+    if (!error_is_set(err)) {
+        for (unsigned i = 0; i < render->options->threads; i++)
+            render->worker[i].wave.gatherer = render->gatherer;
+        const Progress base = { .stage = "gather", .done = 1, .energy_left = -1 };
+        if (!parallel_for(tiles, 1, render->options->threads, render_tiles, render, monitor, &base))
+            error_set(err, ERROR_STOPPED, "the picture was stopped before it was complete");
+        report->rays = 0;
+        for (uint32_t i = 0; i < tiles; i++)
+            report->rays += render->rays[i];
+    }
+    report->seconds = seconds_now() - start;
+    array_free(render->rays);
+    array_free(render->worker);
+}
+
+Image *render_gather(const Gatherer *gatherer, const Camera *camera, const RenderOptions *options,
+                     RenderReport *report, const Monitor *monitor, Error *err)
+{
+    assert(camera != NULL && options != NULL && err != NULL);
+    if (error_is_set(err))
+        return NULL;
+    assert(gatherer != NULL);
+    const RenderOptions o = with_defaults(options);
+    RenderReport        unused;
+    Render render = { .gatherer = gatherer, .options = &o,
+                      .image = image_create(o.width, o.height, err) };
+    if (render.image == NULL)
+        return NULL;
+    render.tiles_x = ((uint32_t)o.width + TILE - 1) / TILE;
+    camera_rays_init(&render.camera, camera, o.width, o.height);
+    render_run(&render, report != NULL ? report : &unused, monitor, err);
+    return error_is_set(err) && err->code != ERROR_STOPPED ? image_destroy(render.image)
+                                                           : render.image;
+}

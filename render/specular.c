@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Mirrors, glass and gloss: one ray on from each hit. */
+#include "render/specular.h"
+
+#include <assert.h>
+
+/* A material that has a specular colour but no exponent: a soft gloss. */
+static const double EXPONENT_DEFAULT = 20;
+
+bool specular_exists(const Material *material)
+{
+    return rgb_max(material->specular) > 0 || rgb_max(material->transmittance) > 0;
+}
+
+double specular_fresnel(double cosine, double eta)
+{
+    assert(eta > 0);
+    const double square = 1 - (1 - cosine * cosine) / (eta * eta);
+    if (square <= 0)
+        return 1; /* total reflection */
+    const double inner = sqrt(square);
+    const double s = (cosine - eta * inner) / (cosine + eta * inner);
+    const double p = (eta * cosine - inner) / (eta * cosine + inner);
+    return (s * s + p * p) / 2;
+}
+
+/* A body's skin has no rim: each edge has a neighbour. */
+static bool is_skin(const Surface *surface)
+{
+    if (surface->kind == SURFACE_SHAPE)
+        return true;
+    const int edges = surface->kind == SURFACE_QUAD ? 4 : 3;
+    for (int i = 0; i < edges; i++)
+        if (surface->neighbour[i] == SURFACE_NONE)
+            return false;
+    return true;
+}
+
+static Vec3 mirrored(Vec3 in, Vec3 n) { return vec3_mad(in, -2 * vec3_dot(in, n), n); }
+
+/* Glass: one of the two ways, by what each carries. */
+static bool glass(const Room *room, const Material *material, const RoomHit *hit, Vec3 in,
+                  double choice, Ray *ray, Rgb *weight)
+{
+    const double cosine = fmin(fmax(-vec3_dot(in, hit->normal), 0), 1);
+    const double ior = material->ior > 0 ? material->ior : 1;
+    const bool   skin = ior != 1 && is_skin(&room->surfaces->surface[hit->surface]);
+    const double eta = skin && hit->side == 1 ? 1 / ior : ior;
+    double       f = specular_fresnel(cosine, eta);
+    if (!skin) /* both faces of the pane, and all that goes to and fro between them */
+        f = 2 * f / (1 + f);
+    const double through = (1 - f) * rgb_max(material->transmittance);
+    const double chance = f / (f + through);
+    if (choice < chance) {
+        const Vec3 d = mirrored(in, hit->normal);
+        const double w = f / chance;
+        *weight = rgb(w, w, w);
+        *ray = ray_leaving(hit->point, hit->normal, room->offset, d, INFINITY);
+        return true;
+    }
+    Vec3 d = in;
+    if (skin) {
+        const double square = 1 - (1 - cosine * cosine) / (eta * eta);
+        d = vec3_mad(vec3_scale(in, 1 / eta), cosine / eta - sqrt(fmax(square, 0)), hit->normal);
+    }
+    *weight = rgb_scale(material->transmittance, (1 - f) / (1 - chance));
+    *ray = ray_leaving(hit->point, hit->normal, -room->offset, vec3_unit(d), INFINITY);
+    return rgb_max(*weight) > 0;
+}
+
+/* A lobe cos^e about the mirror direction, energy as in the modified Phong model [lafortune94]. */
+static bool gloss(const Room *room, const Material *material, const RoomHit *hit, Vec3 in,
+                  double exponent, const float *u, Ray *ray, Rgb *weight)
+{
+    Vec3         s, t;
+    const Vec3   axis = vec3_unit(mirrored(in, hit->normal));
+    const double z = pow(u[0], 1 / (exponent + 1)), r = sqrt(fmax(1 - z * z, 0));
+    const double angle = 2 * M_PI * u[1];
+    vec3_frame(axis, &s, &t);
+    const Vec3   d = vec3_mad(vec3_mad(vec3_scale(axis, z), r * cos(angle), s), r * sin(angle), t);
+    const double cosine = vec3_dot(d, hit->normal);
+    if (!(cosine > 0))
+        return false;
+    *weight = rgb_scale(material->specular, (exponent + 2) / (exponent + 1) * cosine);
+    *ray = ray_leaving(hit->point, hit->normal, room->offset, d, INFINITY);
+    return true;
+}
+
+bool specular_continue(const Room *room, const RoomHit *hit, Vec3 in, const float u[3], Ray *ray,
+                       Rgb *weight)
+{
+    const Material *material = &room->materials[room->surfaces->surface[hit->surface].material];
+    assert(specular_exists(material));
+    if (rgb_max(material->transmittance) > 0)
+        return glass(room, material, hit, in, u[2], ray, weight);
+    if (isinf(material->exponent)) {
+        *weight = material->specular;
+        *ray = ray_leaving(hit->point, hit->normal, room->offset, mirrored(in, hit->normal),
+                           INFINITY);
+        return true;
+    }
+    const double exponent = material->exponent > 0 ? material->exponent : EXPONENT_DEFAULT;
+    return gloss(room, material, hit, in, exponent, u, ray, weight);
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* render/specular.h -- how the eye's ray goes on at mirrors, glass and gloss. */
+#ifndef RENDER_SPECULAR_H
+#define RENDER_SPECULAR_H
+
+#include "radiosity/room.h"
+
+/* Whether a material has more than its diffuse part. */
+bool specular_exists(const Material *material);
+
+/* One way on for a ray that came along `in` (unit) and met `hit`, chosen by three numbers in
+ * [0,1): glass reflects or refracts, gloss scatters about the mirror direction. *weight is what
+ * its light counts, bounded by 1.1 in each band. false: none.
+ * A transparent surface with a rim is a pane, not the skin of a body: it does not bend light. */
+bool specular_continue(const Room *room, const RoomHit *hit, Vec3 in, const float u[3], Ray *ray,
+                       Rgb *weight);
+
+/* Fresnel's reflectance for unpolarised light; eta: index of the side entered over that left. */
+double specular_fresnel(double cosine, double eta);
+
+#endif

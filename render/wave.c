@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Light at many points: lamp samples with controls, cosine rays, and one step further near corners. */
+#include "render/wave.h"
+
+#include <assert.h>
+
+#include "math/sampling.h"
+
+/* Purposes of the sequences drawn from one seed. */
+enum { SEED_LAMP = 1, SEED_LIGHT, SEED_DIRECTION, SEED_RAMP };
+
+static uint32_t seed_of(uint32_t seed, uint32_t purpose, unsigned level)
+{
+    return sampling_mix(seed ^ (purpose + 16 * level) * 0x9e3779b9U);
+}
+
+static void add_to(Wave *wave, const WavePoint *point, unsigned level, Rgb irradiance)
+{
+    Rgb *sum = level == 0 ? &wave->direct[point->root] : &wave->indirect[point->root];
+    *sum = rgb_add(*sum, rgb_mul(point->weight, irradiance));
+}
+
+/* --- lamps ----------------------------------------------------------------------------------- */
+
+/* Fills wave->sample and wave->ray from `begin` lamp rays on; returns how many; entry e belongs to
+ * point e / rays. */
+static uint32_t aim_block(Wave *wave, unsigned level, uint32_t begin, uint32_t end, uint32_t rays,
+                          const WaveOptions *options, bool lights)
+{
+    const Gatherer *g = wave->gatherer;
+    const uint32_t  seed = seed_of(options->seed, lights ? SEED_LIGHT : SEED_LAMP, level);
+    const double    gather_rays = level == 0 ? options->gather_rays : 1;
+    uint32_t        n = 0;
+    for (uint32_t e = begin; e < end; e++) {
+        const WavePoint *p = &wave->point[level][e / rays];
+        float            u[2];
+        sampling_sobol2(p->index * rays + e % rays, seed, u);
+        LampSample *s = &wave->sample[n];
+        const bool  any = lights ? lamps_sample_light(&g->lamps, &p->at, u[0], s)
+                                 : lamps_sample(&g->lamps, &p->at, rays, gather_rays, u[0], u[1], s);
+        if (!any)
+            continue;
+        wave->owner[n] = e / rays;
+        wave->ray[n] = ray_between(p->at.point, p->at.normal, s->point, s->normal,
+                                   g->room->offset);
+        n++;
+    }
+    return n;
+}
+
+/* Sums a block of lamp samples. Of sample i, lit or not (v), worth u, expected a:
+ * v u + b (a - u), b the lit share of all other samples of the block. */
+static void add_block(Wave *wave, unsigned level, uint32_t n, uint32_t rays)
+{
+    double lit = 0, all = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        const double y = rgb_luminance(wave->sample[i].value);
+        all += y;
+        lit += wave->blocked[i] ? 0 : y;
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        const LampSample *s = &wave->sample[i];
+        const double y = rgb_luminance(s->value);
+        const double others = all - y;
+        const double others_lit = lit - (wave->blocked[i] ? 0 : y);
+        /* Rounding of the sums leaves a residue where the others are nothing. */
+        const double b = others > all * 1e-12 ? fmin(fmax(others_lit / others, 0), 1) : 0;
+        Rgb          e = rgb_scale(rgb_mad(s->control, -1, s->value), b);
+        if (!wave->blocked[i])
+            e = rgb_add(e, s->value);
+        add_to(wave, &wave->point[level][wave->owner[i]], level, rgb_scale(e, 1.0 / rays));
+    }
+}
+
+static void receive_lamps(Wave *wave, unsigned level, uint32_t count, const WaveOptions *options,
+                          bool lights)
+{
+    const uint32_t rays = level == 0 ? options->lamp_rays : 1;
+    for (uint32_t begin = 0; begin < count * rays; begin += WAVE_RAYS) {
+        const uint32_t left = count * rays - begin;
+        const uint32_t n = aim_block(wave, level, begin, begin + (left < WAVE_RAYS ? left : WAVE_RAYS),
+                                     rays, options, lights);
+        if (n == 0)
+            continue;
+        bvh_blocked_many(wave->gatherer->room->bvh, wave->ray, wave->blocked, n);
+        wave->rays += n;
+        add_block(wave, level, n, rays);
+    }
+}
+
+/* --- the hemisphere -------------------------------------------------------------------------- */
+
+Rgb wave_radiosity(const Gatherer *gatherer, const RoomHit *hit)
+{
+    const Room *room = gatherer->room;
+    uint32_t    vertex[4];
+    double      weight[4];
+    const int   n = patches_interpolate(room->patches, room->surfaces, hit->surface, hit->side,
+                                        hit->s, hit->t, vertex, weight);
+    Rgb b = { 0, 0, 0 };
+    for (int i = 0; i < n; i++) {
+        const float *v = gatherer->vertex + 3 * (size_t)vertex[i];
+        b = rgb_mad(b, weight[i], rgb(v[0], v[1], v[2]));
+    }
+    return b;
+}
+
+/* Chance that a hit at this distance is received anew: 1 within a patch's edge, 0 beyond two, and
+ * between them without a kink. */
+static double ramp(double distance, double cell)
+{
+    const double x = 2 - distance / cell;
+    return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
+}
+
+/* Directions for rays begin..end-1 of the level's points. */
+static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t end, uint32_t rays,
+                       uint32_t seed)
+{
+    const double offset = wave->gatherer->room->offset;
+    for (uint32_t e = begin; e < end; e++) {
+        const WavePoint *p = &wave->point[level][e / rays];
+        float            u[2];
+        Vec3             s, t;
+        sampling_sobol2(p->index * rays + e % rays, seed, u);
+        const Vec3 c = sampling_cosine(u[0], u[1]), n = p->at.normal;
+        vec3_frame(n, &s, &t);
+        const Vec3 d = vec3_mad(vec3_mad(vec3_scale(n, c.z), c.x, s), c.y, t);
+        wave->ray[e - begin] = ray_leaving(p->at.point, n, offset, d, INFINITY);
+    }
+    bvh_nearest_many(wave->gatherer->room->bvh, wave->ray, wave->hit, end - begin);
+    wave->rays += end - begin;
+}
+
+/* A ray's end: a lamp's share, then the solution, or one more receiving point. Returns how many
+ * points the next level has now. */
+static uint32_t read_end(Wave *wave, unsigned level, uint32_t e, uint32_t k, uint32_t rays,
+                         const WaveOptions *options, uint32_t next)
+{
+    const Gatherer *g = wave->gatherer;
+    const Room     *room = g->room;
+    const WavePoint *p = &wave->point[level][e / rays];
+    const Ray      *ray = &wave->ray[k];
+    RoomHit         hit;
+    room_hit(room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
+    if (hit.patch == PATCH_NONE)
+        return next;
+    const Material *material = &room->materials[room->surfaces->surface[hit.surface].material];
+    if (g->lamps.shared && room->emitting[hit.surface] >> hit.side & 1) {
+        const double lamp_rays = level == 0 ? options->lamp_rays : 1;
+        const double share = lamps_share(&g->lamps, &p->at, lamp_rays, rays, &hit);
+        add_to(wave, p, level, rgb_scale(material->emission, M_PI * share / rays));
+    }
+    const uint32_t index = p->index * rays + e % rays;
+    if (level + 1 < WAVE_LEVELS) {
+        const double chance = ramp(wave->hit[k].t, g->cell[hit.surface]);
+        const double luck = sampling_mix(index ^ seed_of(options->seed, SEED_RAMP, level)) * 0x1p-32;
+        if (luck < chance) {
+            wave->point[level + 1][next] = (WavePoint){
+                .at = { hit.point, hit.normal }, .root = p->root, .index = index,
+                .weight = rgb_scale(rgb_mul(p->weight, material->reflectance), 1.0 / rays) };
+            return next + 1;
+        }
+    }
+    Rgb *sum = &wave->indirect[p->root];
+    *sum = rgb_add(*sum, rgb_scale(rgb_mul(p->weight, wave_radiosity(g, &hit)), 1.0 / rays));
+    return next;
+}
+
+static void receive(Wave *wave, unsigned level, uint32_t count, const WaveOptions *options)
+{
+    assert(level < WAVE_LEVELS && count <= WAVE_RAYS);
+    receive_lamps(wave, level, count, options, false);
+    if (options->lights && wave->gatherer->room->light_count > 0)
+        receive_lamps(wave, level, count, options, true);
+    const uint32_t rays = level == 0 ? options->gather_rays : 1;
+    const uint32_t seed = seed_of(options->seed, SEED_DIRECTION, level);
+    for (uint32_t begin = 0; begin < count * rays; begin += WAVE_RAYS) {
+        const uint32_t left = count * rays - begin;
+        const uint32_t end = begin + (left < WAVE_RAYS ? left : WAVE_RAYS);
+        cast_block(wave, level, begin, end, rays, seed);
+        uint32_t next = 0;
+        for (uint32_t e = begin; e < end; e++)
+            if (wave->hit[e - begin].primitive != RAY_MISS)
+                next = read_end(wave, level, e, e - begin, rays, options, next);
+        if (next > 0)
+            receive(wave, level + 1, next, options);
+    }
+}
+
+void wave_gather(Wave *wave, uint32_t count, const WaveOptions *options)
+{
+    assert(count <= WAVE_POINTS);
+    assert(options->gather_rays > 0 && options->lamp_rays > 0);
+    for (uint32_t i = 0; i < count; i++) {
+        wave->point[0][i].root = i;
+        wave->point[0][i].weight = rgb(1, 1, 1);
+        wave->direct[i] = wave->indirect[i] = rgb(0, 0, 0);
+    }
+    if (count > 0)
+        receive(wave, 0, count, options);
+}

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* render/wave.h -- light at many receiving points at once: the core of the final gather.
+ *
+ * Points come in, irradiance comes out, split in what arrives straight from lamps and the rest.
+ * Rays are cast in blocks, so that the tracer can take them in company.
+ *
+ * Direct   shadow rays to sampled lamp points. What a fully lit point gets is known in closed form
+ *          (lamps.h): each sample's difference from it is taken off in the proportion in which the
+ *          other samples of the block were lit, so that neither full light nor full shadow is noisy.
+ *          (The control's factor is made of other samples than the one it corrects, so it adds no
+ *          bias beyond their weak dependence as points of one net, some 1/n of the variance.)
+ * Indirect cosine rays read the solution where they end; ends nearer than about a patch are received
+ *          at once more, with their own lamp samples and one ray [rather than read from the coarse
+ *          solution], with a chance that fades out with distance, so that no mesh and no seam shows.
+ */
+#ifndef RENDER_WAVE_H
+#define RENDER_WAVE_H
+
+#include "radiosity/room.h"
+#include "render/gather.h"
+#include "render/lamps.h"
+
+enum {
+    WAVE_POINTS = 64,   /* receiving points of a block */
+    WAVE_RAYS = 256,    /* rays cast at once */
+    WAVE_LEVELS = 3     /* receiving points, those they see close by, and once more */
+};
+
+struct Gatherer {
+    const Room *room;
+    float      *vertex;  /* [3 * patches->vertex_count]  reflected radiosity */
+    double     *cell;    /* [surfaces->count]  edge of the surface's patches */
+    Lamps       lamps;
+};
+
+/* A point that receives light, and what its irradiance counts in its root's result. */
+typedef struct {
+    Receiver at;
+    Rgb      weight;
+    uint32_t root;   /* index of the point that asked, < WAVE_POINTS */
+    uint32_t index;  /* of its sample in its sequences */
+} WavePoint;
+
+typedef struct {
+    uint32_t gather_rays, lamp_rays; /* per point; > 0 */
+    uint32_t seed;                   /* sequences: lamps, lights, directions of each level */
+    bool     lights;                 /* point lights, one of them by chance per lamp ray */
+} WaveOptions;
+
+typedef struct {
+    const Gatherer *gatherer;
+    uint64_t  rays;                  /* cast so far */
+    Rgb       direct[WAVE_POINTS];   /* irradiance, results of wave_gather */
+    Rgb       indirect[WAVE_POINTS];
+    WavePoint point[WAVE_LEVELS][WAVE_RAYS];
+    Ray       ray[WAVE_RAYS];
+    Hit       hit[WAVE_RAYS];
+    bool      blocked[WAVE_RAYS];
+    LampSample sample[WAVE_RAYS];
+    uint32_t   owner[WAVE_RAYS];     /* of the ray: which point of the level */
+} Wave;
+
+/* Light at the first `count` <= WAVE_POINTS points of level 0 (filled by the caller: at, index) into
+ * direct and indirect. */
+void wave_gather(Wave *wave, uint32_t count, const WaveOptions *options);
+
+/* Reflected radiosity of the solution at a hit; 0 on sides that take no part. */
+Rgb wave_radiosity(const Gatherer *gatherer, const RoomHit *hit);
+
+#endif
