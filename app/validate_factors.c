@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Cases of validate: view factors in closed form, between surfaces and from a point.
+ *
+ * Numbers of configurations follow Howell's catalogue [howell]; the obstructed pairs were integrated
+ * numerically to 5e-6. Tolerance: three standard errors of as many independent rays,
+ * 3 sqrt(F (1 - F) / N); scrambled nets stay far below it.
+ */
+#include <assert.h>
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "app/model.h"
+#include "app/validate.h"
+
+enum { PATCHES = 300, RAYS = 4096, PARTS = 3, POINT_RAYS = 16384 };
+
+typedef struct {
+    char   kind;       /* R rectangle: o u v; D disc facing up, d down: at r; */
+    char   group[8];   /* F frustum standing on at: at r h ratio; S sphere: at r; 0 none */
+    double number[9];
+} Part;
+
+typedef struct {
+    const char *name;
+    Part        part[PARTS];
+    const char *from, *to;         /* groups; the sides looked at: 0 front, 1 back */
+    unsigned    from_side, to_side;
+    double      factor;
+} FactorRow;
+
+static const FactorRow pairs[] = {
+    { "parallel C-11 1x1x1", { { 'R', "a", { 0, 0, 0, 1, 0, 0, 0, 1, 0 } },
+      { 'R', "b", { 0, 0, 1, 0, 1, 0, 1, 0, 0 } } }, "a", "b", 0, 0, 0.199824895698387 },
+    { "parallel C-11 2x3x1.5", { { 'R', "a", { 0, 0, 0, 2, 0, 0, 0, 3, 0 } },
+      { 'R', "b", { 0, 0, 1.5, 0, 3, 0, 2, 0, 0 } } }, "a", "b", 0, 0, 0.341693913524763 },
+    { "perpendicular C-14 1,1", { { 'R', "a", { 0, 0, 0, 1, 0, 0, 0, 1, 0 } },
+      { 'R', "b", { 0, 0, 0, 0, 1, 0, 0, 0, 1 } } }, "a", "b", 0, 0, 0.200043776075403 },
+    { "perpendicular C-14 2,0.7", { { 'R', "a", { 0, 0, 0, 2, 0, 0, 0, 1.3, 0 } },
+      { 'R', "b", { 0, 0, 0, 0, 1.3, 0, 0, 0, 0.7 } } }, "a", "b", 0, 0, 0.105121380065803 },
+    { "offset parallel C-13", { { 'R', "a", { 0, 0, 0, 1, 0, 0, 0, 1, 0 } },
+      { 'R', "b", { 1.5, 0.5, 0.8, 0, 1.5, 0, 1, 0, 0 } } }, "a", "b", 0, 0, 0.0340601532237438 },
+    { "offset at right angle", { { 'R', "a", { 0.2, 0, 0, 0.8, 0, 0, 0, 1, 0 } },
+      { 'R', "b", { 0, 1.5, 0.5, 0, 1, 0, 0, 0, 1.5 } } }, "a", "b", 0, 0, 0.0216457376307794 },
+    { "touching at a corner", { { 'R', "a", { 0, 0, 0, 1, 0, 0, 0, 1, 0 } },
+      { 'R', "b", { 0, 1, 0, 0, 1, 0, 0, 0, 1 } } }, "a", "b", 0, 0, 0.0405922301015587 },
+    { "discs 1,1,1", { { 'D', "a", { 0, 0, 0, 1 } }, { 'D', "b", { 0, 0, 1, 1 } } },
+      "a", "b", 0, 1, 0.381966011250105 },
+    { "discs 1,2,0.5", { { 'D', "a", { 0, 0, 0, 1 } }, { 'D', "b", { 0, 0, 0.5, 2 } } },
+      "a", "b", 0, 1, 0.92481618640807 },
+    { "cylinder coat to itself", { { 'F', "a", { 0, 0, 0, 1, 2, 1 } } },
+      "a", "a", 1, 1, 0.585786437626905 },
+    { "cylinder coat to base", { { 'F', "a", { 0, 0, 0, 1, 2, 1 } }, { 'D', "b", { 0, 0, 0, 1 } } },
+      "a", "b", 1, 0, 0.207106781186548 },
+    { "cylinder base to coat", { { 'F', "a", { 0, 0, 0, 1, 2, 1 } }, { 'D', "b", { 0, 0, 0, 1 } } },
+      "b", "a", 0, 1, 0.82842712474619 },
+    { "cylinders outer to inner", { { 'F', "a", { 0, 0, 0, 2, 3, 1 } },
+      { 'F', "b", { 0, 0, 0, 1, 3, 1 } } }, "a", "b", 1, 0, 0.385759490506001 },
+    { "cylinders outer to itself", { { 'F', "a", { 0, 0, 0, 2, 3, 1 } },
+      { 'F', "b", { 0, 0, 0, 1, 3, 1 } } }, "a", "a", 1, 1, 0.288183992933566 },
+    { "cone to base", { { 'F', "a", { 0, 0, 0, 1, 2, 0 } }, { 'D', "b", { 0, 0, 0, 1 } } },
+      "a", "b", 1, 0, 0.447213595499958 },
+    { "frustum to itself", { { 'F', "a", { 0, 0, 0, 1, 1, 0.5 } } },
+      "a", "a", 1, 1, 0.394434368845281 },
+    { "sphere to disc", { { 'S', "a", { 0, 0, 0.7, 0.4 } }, { 'D', "b", { 0, 0, 0, 1 } } },
+      "a", "b", 0, 0, 0.213268827818336 },
+    { "sphere to rectangle", { { 'S', "a", { 0, 0, 0.5, 0.2 } },
+      { 'R', "b", { 0, 0, 0, 1, 0, 0, 0, 2, 0 } } }, "a", "b", 0, 0, 0.083604126700922 },
+    { "spheres inner to outer", { { 'S', "a", { 0, 0, 0, 1 } }, { 'S', "b", { 0, 0, 0, 2 } } },
+      "a", "b", 0, 1, 1 },
+    { "spheres outer to inner", { { 'S', "a", { 0, 0, 0, 1 } }, { 'S', "b", { 0, 0, 0, 2 } } },
+      "b", "a", 1, 0, 0.25 },
+    { "squares, plate between", { { 'R', "a", { 0, 0, 0, 1, 0, 0, 0, 1, 0 } },
+      { 'R', "b", { 0, 0, 1, 0, 1, 0, 1, 0, 0 } },
+      { 'R', "plate", { 0.25, 0.25, 0.5, 0.5, 0, 0, 0, 0.5, 0 } } },
+      "a", "b", 0, 0, 0.099506294598985 },
+    { "discs, disc between", { { 'D', "a", { 0, 0, 0, 1 } }, { 'D', "b", { 0, 0, 1, 1 } },
+      { 'D', "plate", { 0, 0, 0.5, 0.4 } } }, "a", "b", 0, 1, 0.267086060113232 },
+};
+
+static Vec3 vector(const double *v)
+{
+    return vec3(v[0], v[1], v[2]);
+}
+
+static void add_part(Scene *scene, const Part *part, uint32_t material, Error *err)
+{
+    const double *n = part->number, r = n[3];
+    const Vec3 at = vector(n);
+    switch (part->kind) {
+    case 'R':
+        model_rectangle(scene, at, vector(n + 3), vector(n + 6), material, part->group, err);
+        break;
+    case 'D':
+    case 'd':
+        model_shape(scene, SHAPE_DISC, 0, at, vec3(r, r, part->kind == 'D' ? 1 : -1), material,
+                    part->group, err);
+        break;
+    case 'F':
+        model_shape(scene, SHAPE_FRUSTUM, n[5], at, vec3(r, r, n[4]), material, part->group, err);
+        break;
+    case 'S':
+        model_shape(scene, SHAPE_SPHERE, 0, at, vec3(r, r, r), material, part->group, err);
+        break;
+    default:
+        assert(!"a part of a known kind");
+    }
+}
+
+static Scene *make_scene(const char *name, const Part *parts, double exitance, Error *err)
+{
+    Scene *scene = scene_create(name, err);
+    if (scene == NULL)
+        return NULL;
+    const uint32_t material = model_grey(scene, "black", 0, exitance, err);
+    for (int i = 0; i < PARTS && parts[i].kind != 0; i++)
+        add_part(scene, &parts[i], material, err);
+    return scene;
+}
+
+/* --- from surface to surface ------------------------------------------------------------------- */
+
+static bool patch_is(const Pipeline *pipeline, uint32_t i, const char *group, unsigned side)
+{
+    const Patches *p = pipeline->patches;
+    return p->side[i] == side &&
+           strcmp(pipeline->scene->polygons.group_name[p->group[i]], group) == 0;
+}
+
+/* F between two groups' sides, and how many patches the first has. */
+static double group_factor(const Pipeline *pipeline, const FactorRow *row, uint32_t *patches)
+{
+    const Links *links = pipeline->links;
+    double exchange = 0, area = 0;
+    *patches = 0;
+    for (uint32_t i = 0; i < links->count; i++) {
+        if (!patch_is(pipeline, i, row->from, row->from_side))
+            continue;
+        ++*patches;
+        area += links->area[i];
+        for (uint64_t k = links->first[i]; k < links->first[i + 1]; k++)
+            if (patch_is(pipeline, links->source[k], row->to, row->to_side))
+                exchange += links->area[i] * links->form_factor[k];
+    }
+    return exchange / area;
+}
+
+static bool run_pairs(Validation *validation, Error *err)
+{
+    const CaseSetup setup = { .command = COMMAND_FACTORS, .closure = CLOSURE_NONE,
+                              .sides = USE_BOTH, .patches = PATCHES, .rays = RAYS };
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs && !error_is_set(err); i++) {
+        const FactorRow *row = &pairs[i];
+        const double f = row->factor;
+        Session session;
+        Pipeline pipeline;
+        Scene *scene = make_scene(row->name, row->part, 0, err);
+        uint32_t patches = 0;
+        if (validation_run(validation, scene, &setup, &session, &pipeline, err)) {
+            const double value = group_factor(&pipeline, row, &patches);
+            const double deviation = sqrt(f * (1 - f) / ((double)RAYS * patches));
+            /* Factors are stored in float; F = 1 has no other error. */
+            validation_check(validation, row->name, f, value, 3 * deviation + FLT_EPSILON,
+                             deviation, err);
+        }
+        validation_end(&session, &pipeline);
+    }
+    return !error_is_set(err);
+}
+
+/* --- from a point ------------------------------------------------------------------------------ */
+
+typedef struct {
+    const char *name;
+    Part        part;
+    double      normal[3]; /* of the element at the origin */
+    double      factor;
+} ElementRow;
+
+static const ElementRow elements[] = {
+    { "below a rectangle B-3", { 'R', "a", { 0, 0, 0.7, 0, 2, 0, 1, 0, 0 } }, { 0, 0, 1 },
+      0.199597720423871 },
+    { "before a rectangle B-4", { 'R', "a", { 0, 0.7, 0, 1.2, 0, 0, 0, 0, 0.9 } }, { 0, 0, 1 },
+      0.0867143931927342 },
+    { "disc on the axis", { 'd', "a", { 0, 0, 1.1, 0.8 } }, { 0, 0, 1 }, 0.345945945945946 },
+    { "disc off the axis", { 'd', "a", { 0.6, 0, 1.1, 0.8 } }, { 0, 0, 1 }, 0.266402432923952 },
+    { "disc at right angle", { 'd', "a", { 0.9, 0, 0.6, 0.5 } }, { 1, 0, 0 }, 0.0976112490981276 },
+    { "sphere, tilt 0.3", { 'S', "a", { 0, 0, 2, 1 } },
+      { 0.29552020666133955, 0, 0.95533648912560598 }, 0.238834122281401 },
+    { "sphere, tilt 1.3", { 'S', "a", { 0, 0, 2, 1 } },
+      { 0.96355818541719296, 0, 0.26749882862458741 }, 0.072122897951005 },
+};
+
+/* A surface that emits 1 and nothing else: the irradiance at the point is the factor. */
+static bool run_elements(Validation *validation, Error *err)
+{
+    for (size_t i = 0; i < sizeof elements / sizeof *elements && !error_is_set(err); i++) {
+        const ElementRow *row = &elements[i];
+        const Part parts[PARTS] = { row->part };
+        const Vec3 point = vec3(0, 0, 0), normal = vector(row->normal);
+        const CaseSetup setup = { .command = COMMAND_SOLVE, .patches = PATCHES, .rays = 64,
+                                  .point = &point, .normal = &normal, .points = 1 };
+        const double f = row->factor;
+        Session session;
+        Pipeline pipeline;
+        Scene *scene = make_scene(row->name, parts, 1, err);
+        double error = NAN;
+        if (validation_run(validation, scene, &setup, &session, &pipeline, err)) {
+            const double value = validation_measure(&pipeline, point, normal, &error, err);
+            validation_check(validation, row->name, f, value, 3 * sqrt(f * (1 - f) / POINT_RAYS),
+                             error, err);
+        }
+        validation_end(&session, &pipeline);
+    }
+    return !error_is_set(err);
+}
+
+const Case *validate_factor_cases(size_t *count)
+{
+    static const Case cases[] = {
+        { "factors", "view factors between surfaces", run_pairs },
+        { "factors-point", "view factors from a point", run_elements },
+    };
+    *count = sizeof cases / sizeof *cases;
+    return cases;
+}
