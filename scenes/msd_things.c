@@ -37,12 +37,11 @@ bool msd_count(MsdReader *r, MsdPlace place, uint64_t more)
 
 bool msd_group(MsdReader *r, const MsdThing *thing, uint32_t *group)
 {
-    char           name[48];
-    const unsigned number = ++r->made[thing->word];
+    char name[48];
 
     if (r->group != MSD_NONE)
         return polygons_add_group(&r->scene->polygons, r->symbols[r->group].text, group, r->err);
-    snprintf(name, sizeof name, "%s-%u", thing->name, number);
+    snprintf(name, sizeof name, "%s-%u", thing->name, ++r->made[thing->word]);
     return polygons_add_group(&r->scene->polygons, name, group, r->err);
 }
 
