@@ -1,13 +1,19 @@
-# isolux: `make help` lists the targets.
+# isolux: `make help` lists the targets. V=1 shows the commands.
 
-config ?= release
-CC     ?= gcc
-CXX    ?= g++
-PREFIX ?= /usr/local
-VERSION := 0.1.0
+VERSION   := 0.1.0
 SOVERSION := 0
 
-# Lowest first; a folder may include those before it (see `make layers`).
+config ?= release
+PREFIX ?= /usr/local
+ifeq ($(origin CC),default)
+CC := gcc
+endif
+ifeq ($(origin CXX),default)
+CXX := g++
+endif
+Q := $(if $(V),,@)
+
+# Lowest first; a folder may include those that tools/layers.sh allows.
 FOLDERS ?= base math mesh raycast scenes radiosity render
 
 BUILD ?= $(if $(filter release,$(config)),build,build/$(config))
@@ -16,59 +22,224 @@ WARNINGS := -Wall -Wextra -Wpedantic -Werror -Wshadow -Wundef -Wpointer-arith -W
 CWARNINGS := $(WARNINGS) -Wstrict-prototypes -Wmissing-prototypes
 COMMON   := -I. -fPIC -pthread -ffp-contract=off -D_GNU_SOURCE -DISOLUX_VERSION='"$(VERSION)"'
 
+SANITIZE := address,undefined
 OPT_release  := -O3 -fno-math-errno -fno-trapping-math
 OPT_debug    := -Og -g
-OPT_sanitize := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+OPT_sanitize := -O1 -g -fsanitize=$(SANITIZE) -fno-sanitize-recover=all -fno-omit-frame-pointer
 OPT_coverage := -O0 -g --coverage
 OPT_scalar   := -O2 -DISOLUX_SCALAR -fno-tree-vectorize -fno-math-errno -fno-trapping-math
+OPT_fuzz     := -O1 -g -fsanitize=fuzzer-no-link,$(SANITIZE) -fno-sanitize-recover=all
 OPT := $(OPT_$(config))
 ifeq ($(OPT),)
 $(error config is one of debug release sanitize coverage scalar)
 endif
 
+# Headers of outside libraries are not ours to warn about. OpenEXR's own C header has a folder.
 DEP_PACKAGES := OpenEXR libpng jansson libxxhash assimp
-ALL_CFLAGS   := -std=c17 $(OPT) $(COMMON) $(CWARNINGS) $(CFLAGS)
-ALL_CXXFLAGS := -std=c++17 $(OPT) $(COMMON) $(WARNINGS) $(CXXFLAGS)
-# OpenEXR's own C library; headers of outside libraries are not ours to warn about.
-SYSTEM_INCLUDES := -isystem /usr/include/OpenEXR -isystem /usr/include/Imath
+DEP_FOLDERS  := $(patsubst -I%,%,$(shell pkg-config --cflags-only-I $(DEP_PACKAGES) 2>/dev/null))
+SYSTEM_INCLUDES := $(addprefix -isystem ,$(filter-out /usr/include,$(sort $(DEP_FOLDERS) \
+                     /usr/include/OpenEXR /usr/include/Imath)))
 LIBS := -lOpenMeshCore -lassimp -lOpenEXRCore -lpng -ljansson -lxxhash -lstdc++ -lm
+
+ALL_CFLAGS    = -std=c17 $(OPT) $(COMMON) $(CWARNINGS) $(CFLAGS)
+ALL_CXXFLAGS  = -std=c++17 $(OPT) $(COMMON) $(WARNINGS) $(CXXFLAGS)
+LINK = $(CC) $(OPT) -pthread
 
 SOURCES := $(sort $(foreach f,$(FOLDERS),$(wildcard $f/*.c $f/*.cpp)))
 OBJECTS := $(patsubst %,$(BUILD)/obj/%.o,$(SOURCES))
-APP_SOURCES := $(sort $(wildcard app/*.c))
-APP_OBJECTS := $(patsubst %,$(BUILD)/obj/%.o,$(APP_SOURCES))
+APP_OBJECTS := $(patsubst %,$(BUILD)/obj/%.o,$(sort $(wildcard app/*.c)))
 TESTS := $(sort $(patsubst tests/%.c,%,$(wildcard tests/test_*.c)))
+FUZZ  := $(sort $(patsubst tests/fuzz/fuzz_%.c,%,$(wildcard tests/fuzz/fuzz_*.c)))
+TEST_OBJECTS := $(TESTS:%=$(BUILD)/obj/tests/%.c.o) $(FUZZ:%=$(BUILD)/obj/tests/fuzz/fuzz_%.c.o) \
+                $(BUILD)/obj/tests/fuzz/replay.c.o
+SHARED := $(BUILD)/libisolux.so
 
 .PHONY: all
-all: $(BUILD)/isolux $(BUILD)/libisolux.a $(BUILD)/libisolux.so
+all: $(BUILD)/isolux $(BUILD)/libisolux.a $(SHARED)
 
 $(BUILD)/isolux: $(APP_OBJECTS) $(BUILD)/libisolux.a
-	$(CC) $(OPT) -pthread -o $@ $^ $(LDFLAGS) $(LIBS)
+	@echo "  LINK $@"
+	$(Q)$(LINK) -o $@ $^ $(LDFLAGS) $(LIBS)
 
 $(BUILD)/libisolux.a: $(OBJECTS)
+	@echo "  AR   $@"
 	@rm -f $@
-	$(AR) rcs $@ $^
+	$(Q)$(AR) rcs $@ $^
 
-$(BUILD)/libisolux.so: $(OBJECTS)
-	$(CC) $(OPT) -shared -pthread -Wl,-soname,libisolux.so.$(SOVERSION) -o $@ $^ $(LDFLAGS) $(LIBS)
+$(SHARED): $(OBJECTS)
+	@echo "  LINK $@"
+	$(Q)$(LINK) -shared -Wl,-soname,libisolux.so.$(SOVERSION) -o $@ $^ $(LDFLAGS) $(LIBS)
+	@ln -sf libisolux.so $@.$(SOVERSION)
 
-$(BUILD)/obj/%.c.o: %.c
+# What is missing is told once, before the compiler tells it in its own way.
+$(BUILD)/libraries-found: tools/deps.sh
+	@CC="$(CC)" CXX="$(CXX)" tools/deps.sh check $(SYSTEM_INCLUDES)
+	@mkdir -p $(@D) && touch $@
+
+$(BUILD)/obj/%.c.o: %.c | $(BUILD)/libraries-found
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) $(SYSTEM_INCLUDES) -MMD -MP -c -o $@ $<
+	@echo "  CC   $<"
+	$(Q)$(CC) $(ALL_CFLAGS) $(SYSTEM_INCLUDES) -MMD -MP -c -o $@ $<
 
-$(BUILD)/obj/%.cpp.o: %.cpp
+$(BUILD)/obj/%.cpp.o: %.cpp | $(BUILD)/libraries-found
 	@mkdir -p $(@D)
-	$(CXX) $(ALL_CXXFLAGS) $(SYSTEM_INCLUDES) -MMD -MP -c -o $@ $<
+	@echo "  CXX  $<"
+	$(Q)$(CXX) $(ALL_CXXFLAGS) $(SYSTEM_INCLUDES) -MMD -MP -c -o $@ $<
+
+# A fuzz target is called by the fuzzer's main, which has no header.
+$(BUILD)/obj/tests/fuzz/%: CWARNINGS += -Wno-missing-prototypes
+
+.SECONDARY:
+-include $(OBJECTS:.o=.d) $(APP_OBJECTS:.o=.d) $(TEST_OBJECTS:.o=.d)
+
+# --- getting it, seeing it -----------------------------------------------------------------------
+
+# A sub-make uses all cores, unless the user has said how many.
+SUBMAKE = $(MAKE) --no-print-directory $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(NPROC))
+NPROC  := $(shell nproc 2>/dev/null || echo 1)
+
+.PHONY: deps
+deps:
+	@tools/deps.sh install
+
+DEMO := scenes/files/cornell.msd
+.PHONY: demo
+demo: deps
+	@$(SUBMAKE) all
+	@mkdir -p $(BUILD)/demo
+	$(BUILD)/isolux render $(DEMO) -o $(BUILD)/demo/cornell.exr
+	@echo "The picture:"
+	@ls -1 $(CURDIR)/$(BUILD)/demo/cornell.* | sed 's/^/  /'
+
+.PHONY: bench
+bench: all
+	@for scene in scenes/files/*.msd; do $(BUILD)/isolux bench $$scene || exit 1; done
 
 # --- tests: one program a file, each in a process of its own -------------------------------------
 
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.c.o $(BUILD)/libisolux.a
 	@mkdir -p $(@D)
-	$(CC) $(OPT) -pthread -o $@ $^ $(LDFLAGS) -lcmocka $(LIBS)
+	$(Q)$(LINK) -o $@ $^ $(LDFLAGS) -lcmocka $(LIBS)
 
-.PHONY: test-one
+# Fuzz targets without the fuzzer: each file of the corpus once.
+$(BUILD)/tests/replay_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(BUILD)/obj/tests/fuzz/replay.c.o \
+                         $(BUILD)/libisolux.a
+	@mkdir -p $(@D)
+	$(Q)$(LINK) -o $@ $^ $(LDFLAGS) $(LIBS)
+
+TEST_PROGRAMS := $(TESTS:%=$(BUILD)/tests/%) $(FUZZ:%=$(BUILD)/tests/replay_%)
+TEST_JOBS ?= $(NPROC)
+
+.PHONY: test test-programs test-one
+test: deps
+	@$(SUBMAKE) all test-programs
+	@BUILD="$(BUILD)" CC="$(CC)" OPT="$(OPT)" CONFIG="$(config)" JOBS="$(TEST_JOBS)" \
+	  tests/run.sh $(TEST_PROGRAMS) $(sort $(wildcard tests/cli/*.sh))
+
+test-programs: $(TEST_PROGRAMS)
+
 # make test-one T=test_msd FOLDERS="base math mesh scenes"
 test-one: $(BUILD)/tests/$(T)
 	$(BUILD)/tests/$(T)
 
--include $(OBJECTS:.o=.d) $(APP_OBJECTS:.o=.d) $(patsubst %,$(BUILD)/obj/tests/%.c.d,$(TESTS))
+.PHONY: coverage
+coverage:
+	@$(MAKE) --no-print-directory config=coverage test
+	@command -v gcovr >/dev/null || { echo "make coverage: the report needs gcovr" >&2; exit 1; }
+	@gcovr --root . --object-directory build/coverage/obj $(FOLDERS:%=--filter '%/') \
+	  --filter 'app/' --gcov-ignore-parse-errors --print-summary --html-details \
+	  build/coverage/report.html
+	@echo "$(CURDIR)/build/coverage/report.html"
+
+# --- fuzzing: clang's libFuzzer ------------------------------------------------------------------
+
+FUZZ_SECONDS ?= 10
+
+$(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(BUILD)/libisolux.a
+	@echo "  LINK $@"
+	$(Q)$(CC) -fsanitize=fuzzer,$(SANITIZE) -pthread -o $@ $^ $(LDFLAGS) $(LIBS)
+
+.PHONY: fuzz fuzz-programs
+fuzz:
+	@command -v clang >/dev/null || { echo "make fuzz needs clang" >&2; exit 1; }
+	@$(SUBMAKE) config=fuzz CC=clang CXX=clang++ fuzz-programs
+	@for name in $(FUZZ); do \
+	  echo "fuzz_$$name: $(FUZZ_SECONDS) s"; \
+	  mkdir -p build/fuzz/found/$$name tests/fuzz/corpus/$$name; \
+	  build/fuzz/fuzz_$$name -max_total_time=$(FUZZ_SECONDS) -timeout=10 -rss_limit_mb=2048 \
+	    -print_final_stats=1 -artifact_prefix=build/fuzz/found/$$name- \
+	    build/fuzz/found/$$name tests/fuzz/corpus/$$name >build/fuzz/fuzz_$$name.log 2>&1 || \
+	    { tail -n 60 build/fuzz/fuzz_$$name.log; exit 1; }; \
+	  grep number_of_executed_units build/fuzz/fuzz_$$name.log; \
+	done
+
+fuzz-programs: $(FUZZ:%=$(BUILD)/fuzz_%)
+
+# --- the style -----------------------------------------------------------------------------------
+
+.PHONY: layers stats format
+layers:
+	@tools/layers.sh
+
+stats:
+	@tools/stats.sh
+
+format:
+	clang-format -i $(wildcard $(foreach f,$(FOLDERS) app tests tests/fuzz,$f/*.c $f/*.h $f/*.cpp))
+
+# --- installing ----------------------------------------------------------------------------------
+
+BINDIR     := $(DESTDIR)$(PREFIX)/bin
+LIBDIR     := $(DESTDIR)$(PREFIX)/lib
+HEADERDIR  := $(DESTDIR)$(PREFIX)/include/isolux
+DOCDIR     := $(DESTDIR)$(PREFIX)/share/doc/isolux
+SCENEDIR   := $(DESTDIR)$(PREFIX)/share/isolux/scenes
+HEADERS    := $(filter-out %/internal.h,$(foreach f,$(FOLDERS),$(wildcard $f/*.h)))
+DOCUMENTS  := $(wildcard LICENSE README.md CHANGELOG.md docs/*.md)
+
+.PHONY: install uninstall
+install: all
+	@install -d $(BINDIR) $(LIBDIR)/pkgconfig $(DOCDIR) $(SCENEDIR) $(FOLDERS:%=$(HEADERDIR)/%)
+	@install -m 755 $(BUILD)/isolux $(BINDIR)/isolux
+	@install -m 644 $(BUILD)/libisolux.a $(LIBDIR)/libisolux.a
+	@install -m 755 $(SHARED) $(LIBDIR)/libisolux.so.$(VERSION)
+	@ln -sf libisolux.so.$(VERSION) $(LIBDIR)/libisolux.so.$(SOVERSION)
+	@ln -sf libisolux.so.$(SOVERSION) $(LIBDIR)/libisolux.so
+	@for header in $(HEADERS); do install -m 644 $$header $(HEADERDIR)/$$header || exit 1; done
+	@install -m 644 $(DOCUMENTS) $(DOCDIR)
+	@for scene in $(wildcard scenes/files/*.*); do install -m 644 $$scene $(SCENEDIR) || exit 1; done
+	@printf '%s\n' 'prefix=$(PREFIX)' 'libdir=$${prefix}/lib' \
+	  'includedir=$${prefix}/include/isolux' '' 'Name: isolux' \
+	  'Description: Radiosity and global illumination' 'Version: $(VERSION)' \
+	  'Cflags: -I$${includedir}' 'Libs: -L$${libdir} -lisolux -lm' \
+	  'Libs.private: -pthread $(LIBS)' >$(LIBDIR)/pkgconfig/isolux.pc
+	@echo "installed in $(DESTDIR)$(PREFIX)"
+
+uninstall:
+	rm -f $(BINDIR)/isolux $(LIBDIR)/libisolux.a $(LIBDIR)/libisolux.so*
+	rm -f $(LIBDIR)/pkgconfig/isolux.pc
+	rm -rf $(HEADERDIR) $(DOCDIR) $(DESTDIR)$(PREFIX)/share/isolux
+
+# --- the rest ------------------------------------------------------------------------------------
+
+.PHONY: clean help
+clean:
+	rm -rf build
+
+help:
+	@echo "make            build/isolux, build/libisolux.a, build/libisolux.so"
+	@echo "make deps       install the Debian packages it is built from"
+	@echo "make demo       deps, build, and a rendered Cornell box in build/demo/"
+	@echo "make test       deps, build, and all tests; last line: N passed, N failed"
+	@echo "make test-one T=test_msd         one test program"
+	@echo "make fuzz       clang's fuzzer on every reader, FUZZ_SECONDS=10 each"
+	@echo "make bench      rays per second, seconds and memory on the scenes in scenes/files/"
+	@echo "make coverage   tests with line coverage: build/coverage/report.html"
+	@echo "make layers     refuse includes that point upwards"
+	@echo "make stats      code budgets: lengths, asserts, tolerances, globals"
+	@echo "make format     clang-format over the tree"
+	@echo "make install    DESTDIR= PREFIX=/usr/local; make uninstall takes it away"
+	@echo "make clean      remove build/"
+	@echo
+	@echo "config=release|debug|sanitize|coverage|scalar; others than release are in build/CONFIG/"
+	@echo "CC=clang CXX=clang++ and V=1 (show commands) work with each"

@@ -22,8 +22,12 @@ char *file_read(const char *path, size_t limit, size_t *size, Error *err);
 /* A file being written. `path` "-" is standard output, without temporary file. */
 typedef struct OutFile OutFile;
 
+/* Nothing stands at `path` itself, and what stood there stays, until outfile_commit. A symbolic link
+ * is followed; a device or pipe is written in place.
+ * fails  NULL and ERROR_FAILED, the text says why. */
 OutFile *outfile_open(const char *path, Error *err);
-FILE    *outfile_stream(OutFile *out);
+/* Where to write. It is closed by commit and discard alone. */
+FILE *outfile_stream(OutFile *out);
 /* The path that libraries may open and write themselves until outfile_commit. NULL for "-". */
 const char *outfile_path(const OutFile *out);
 /* Flushes, closes and puts the file in place; on any write error removes it and sets *err.

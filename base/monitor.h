@@ -28,6 +28,7 @@ typedef struct Monitor {
     bool (*stop)(void *user); /* true: finish the chunk and return */
 } Monitor;
 
+/* Each makes its call if there is anyone to call; monitor_stop is false when there is not. */
 void monitor_warn(const Monitor *monitor, const char *code, const char *where, const char *format,
                   ...) __attribute__((format(printf, 4, 5)));
 void monitor_progress(const Monitor *monitor, const Progress *progress);

@@ -37,6 +37,7 @@ typedef struct {
 /* Fills *shape. fails  false and ERROR_INPUT when the map is singular or ratio is out of range. */
 bool shape_init(Shape *shape, ShapeKind kind, double ratio, const Affine *to_world, Error *err);
 
+/* The point in the world with these parameters. */
 Vec3 shape_point(const Shape *shape, double u, double v);
 /* Unit normal in the world. At a cone's tip: the limit along u. */
 Vec3 shape_normal(const Shape *shape, double u, double v);
