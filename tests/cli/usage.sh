@@ -1,0 +1,67 @@
+#!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
+# The command line: help, wrong usage, results that cannot be written.
+. "$(dirname "$0")/tap.inc"
+make_cube "$DIR"
+cube=$DIR/cube.obj
+fast=(--patches 50 --rays 16 --progress none)
+
+ok "no arguments" exits 2
+ok "--help" exits 0 --help
+ok "--version" exits 0 --version
+for command in render solve factors measure check validate bench; do
+    ok "$command --help" exits 0 "$command" --help
+    ok "$command --help shows an example" grep -q "^  isolux $command" "$DIR/out"
+done
+ok "unknown command" fails 2 "unknown command 'rendr'" rendr "$cube"
+ok "unknown option with a guess" fails 2 'did you mean --quality' render "$cube" --qualty high
+ok "unknown option without a guess" fails 2 "unknown option '--checkpoint'" \
+    render "$cube" --checkpoint 5
+ok "option of another command" fails 2 'not an option of check' check "$cube" --spp 4
+ok "no scene" fails 2 'which scene' render
+ok "two scenes" fails 2 'one scene' render a.obj b.obj
+ok "not a number" fails 2 "'12x' is not a number" solve "$cube" --rays 12x
+ok "a fraction for a count" fails 2 'without a fraction' solve "$cube" --rays 1.5
+ok "a negative count" fails 2 'not a number' solve "$cube" --rays -5
+ok "out of range" fails 2 'from 1 to' solve "$cube" --rays 0
+ok "nan" fails 2 'not a number' solve "$cube" --patch-size nan
+ok "bad size" fails 2 'size like' render "$cube" --size 640
+ok "bad bytes" fails 2 '512MB' solve "$cube" --max-memory 12XB
+ok "bad time" fails 2 '5min' solve "$cube" --time-limit soon
+ok "bad vector" fails 2 'three numbers' render "$cube" --eye 1,2
+ok "bad word" fails 2 'not one of draft,medium' render "$cube" --quality best
+ok "missing value" fails 2 'needs a' render "$cube" --quality
+ok "flag with value" fails 2 'takes no value' render "$cube" --diffuse=1
+ok "both on standard output" fails 2 'standard output' factors "$cube" -o - --json -
+ok "target without eye" fails 2 'belong to --eye' render "$cube" --target 0,0,0
+ok "picture with a strange name" fails 2 'ends in .exr' render "$cube" -o "$DIR/x.jpg"
+ok "picture to standard output" fails 2 'needs a name' render "$cube" -o -
+ok "measure without points" fails 2 'needs --points' measure "$cube"
+ok "unknown camera" fails 2 "no camera 'attic'" render "$cube" -o "$DIR/x.exr" --camera attic \
+    "${fast[@]}"
+
+ok "print-config" exits 0 render --print-config --quality high --spp 7
+ok "print-config expands" grep -qx 'rays 512' "$DIR/out"
+ok "print-config overrides" grep -qx 'spp 7' "$DIR/out"
+ok "name=value" exits 0 render --print-config --quality=draft --rays=33
+ok "name=value is taken" grep -qx 'rays 33' "$DIR/out"
+
+ok "folder missing" fails 1 'no/such' solve "$cube" -o "$DIR/no/such/x.ply" "${fast[@]}"
+ok "a folder as result" fails 1 'folder' solve "$cube" -o "$DIR" "${fast[@]}"
+ok "JSON nowhere" fails 1 'no/such' solve "$cube" --json "$DIR/no/such/x.json" "${fast[@]}"
+if [ "$(id -u)" != 0 ]; then
+    mkdir "$DIR/locked" && chmod 555 "$DIR/locked"
+    ok "folder locked" fails 1 'locked' solve "$cube" -o "$DIR/locked/x.ply" "${fast[@]}"
+fi
+if [ -e /dev/full ]; then
+    "$ISOLUX" factors "$cube" "${fast[@]}" >/dev/full 2>"$DIR/err"
+    ok "standard output full" test $? = 1
+fi
+# A quota stands in for a full disk: 8 blocks of 1 KiB are less than the mesh.
+(ulimit -f 8 && "$ISOLUX" solve "$cube" -o "$DIR/full.ply" --patches 2000 --rays 16 \
+    --progress none 2>"$DIR/err")
+ok "disk full: exit code" test $? = 1
+ok "disk full: one line" test "$(wc -l <"$DIR/err")" = 1
+ok "disk full: no half file" test ! -e "$DIR/full.ply"
+ok "nothing left beside it" test -z "$(find "$DIR" -name '*full.ply*')"
+finish
