@@ -5,6 +5,7 @@
 
 #include "radiosity/links.h"
 #include "radiosity/room.h"
+#include "radiosity/sides.h"
 #include "radiosity/solve.h"
 
 /* --- solvers ---------------------------------------------------------------------------------- */
@@ -49,6 +50,90 @@ bool solve_jacobi(const SolveSystem *system, Solution *solution, Error *err);
 bool solve_gauss_seidel(const SolveSystem *system, Solution *solution, Error *err);
 bool solve_progressive(const SolveSystem *system, bool ambient, Solution *solution, Error *err);
 
+/* --- rays in a room --------------------------------------------------------------------------- */
+
+/* Patch, surface parameters included, that a ray along `direction` met; PATCH_NONE when it met a
+ * side not in use. Cheaper than room_hit. */
+uint32_t room_patch(const Room *room, const Hit *hit, Vec3 direction, double *s, double *t);
+
+/* Seeds of what is sampled here differ by these, so that no two use the same points. */
+enum { SEED_ROWS = 0x726f7773, SEED_LAMPS = 0x6c616d70, SEED_LIGHTS = 0x6c697465,
+       SEED_SIDES = 0x73696465 };
+
+/* --- lamps ------------------------------------------------------------------------------------ */
+
+/* Emitting patches, chosen in proportion to their power. */
+typedef struct {
+    uint32_t  count;
+    uint32_t *patch;        /* [count]  rising */
+    double   *cumulative;   /* [count]  probability of this one or one before it; the last is 1 */
+    float    *probability;  /* [patches]  0: no lamp */
+} LampTable;
+
+bool lamp_table_create(const Room *room, LampTable *lamps, Error *err);
+void lamp_table_clear(LampTable *lamps);
+/* The lamp that u in [0, 1) stands for. */
+uint32_t lamp_table_choose(const LampTable *lamps, double u);
+/* Solid-angle density, seen from a point at `distance`, of choosing the direction towards the point
+ * (s, t) of a lamp; `cosine` > 0 is taken at the lamp. */
+double lamp_density(const Room *room, const LampTable *lamps, uint32_t patch, double s, double t,
+                    double distance, double cosine);
+
+/* --- casting one row -------------------------------------------------------------------------- */
+
+/* Direction rays that share one position on the patch: few, because shadow edges want many
+ * positions, but more than one, because it takes several to tell that a position lies inside a
+ * solid. Measured on the Cornell box, see links_cast.c. */
+enum { RAYS_PER_POSITION = 4 };
+
+typedef struct {
+    PatchPoint at;
+    uint32_t   good, bad;   /* rays that met a side in use or nothing, and the others */
+} CastPosition;
+
+/* Where a ray came to: PATCH_NONE at a side not in use. */
+typedef struct {
+    uint32_t patch;
+    bool     escaped;
+    double   s, t;
+} RayEnd;
+
+/* What one thread needs to cast rows, and the row it made last. */
+typedef struct {
+    uint32_t      rays, lamp_rays, positions;
+    CastPosition *position;    /* [positions] */
+    uint32_t     *valid;       /* [valid_count]  positions that are not void */
+    uint32_t      valid_count;
+    Ray          *ray;         /* [max(rays, lamp_rays)] */
+    Hit          *hit;         /* [rays] */
+    RayEnd       *end;         /* [rays] */
+    bool         *blocked;     /* [lamp_rays] */
+    double       *cosine;      /* [rays]  at the patch */
+    float        *value;       /* [rays + lamp_rays]  share of each ray that arrived */
+    uint64_t     *key, *other; /* [rays + lamp_rays]  patch and number of the ray; for sorting */
+    uint32_t      keys;
+    /* the row */
+    uint32_t     *source;      /* [rays + lamp_rays] */
+    float        *form_factor; /* [rays + lamp_rays] */
+    uint32_t      links;
+    double        escape, area;
+    uint64_t      cast, clamped;
+} RowCast;
+
+bool row_cast_create(RowCast *row, uint32_t rays, uint32_t lamp_rays, Error *err);
+void row_cast_clear(RowCast *row);
+/* Casts a patch's hemisphere rays and tells which of its positions lie outside solids (`valid`, the
+ * others have good 0); returns how many rays count. */
+uint32_t row_cast_positions(RowCast *row, const Room *room, uint32_t patch, uint32_t seed);
+/* Fills the row of one patch. Same numbers whichever thread asks. */
+void row_cast_run(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch,
+                  uint32_t seed);
+/* A share that arrived at a patch. */
+void row_cast_add(RowCast *row, uint32_t patch, double share);
+/* Adds what the lamps' own samples find, beside `hemisphere_rays` rays of the patch itself. */
+void row_cast_lamps(RowCast *row, const Room *room, const LampTable *lamps, uint32_t seed,
+                    double hemisphere_rays);
+
 /* --- links ------------------------------------------------------------------------------------ */
 
 /* The links by source: column j of F. */
@@ -63,5 +148,57 @@ void link_columns_clear(LinkColumns *columns);
 
 /* Rows without content: first, escape and area are zero; room for `nonzeros` links. */
 Links *links_allocate(uint32_t count, uint64_t nonzeros, Error *err);
+
+/* Both estimates of each pair made one: form_factor of the result holds S_ij = A_i F_ij, symmetric
+ * bit for bit. Pairs nobody sees, or with a patch that is hidden or sees nothing, are left out. */
+Links *links_pairs(const Links *links, unsigned threads, Error *err);
+/* Scales pairs until row i sums to target[i], symmetrically, and turns them into factors;
+ * *reached gets the greatest error of a row, relative to its area. */
+bool links_balance(Links *pairs, const double *target, unsigned threads, const Monitor *monitor,
+                   double *reached, Error *err);
+
+/* --- sides ------------------------------------------------------------------------------------ */
+
+/* A side of a surface is 2 * surface + side here. */
+typedef struct {
+    uint32_t side;   /* SIDE_NONE: nothing was met */
+    float    s, t;
+} Place;
+#define SIDE_NONE UINT32_MAX
+
+/* Which places are known to lie in reach, at most one per cell of a grid on each side. */
+typedef struct {
+    const Surfaces *surfaces;
+    const Bvh      *bvh;
+    const Monitor  *monitor;
+    uint32_t  rays, seed;
+    unsigned  threads;
+    double    offset;
+    uint64_t *first;      /* [2 * surfaces + 1]  first cell of a side */
+    uint16_t *grid;       /* [surfaces]  cells along s and along t */
+    Place    *cell;       /* [first[2 * surfaces]]  side SIDE_NONE: not reached there */
+    uint32_t *queue;      /* [cells]  cells reached, in order; those before `shot` have shot on */
+    uint64_t  reached, shot;
+    uint8_t  *used;       /* [surfaces]  bit 0/1: front/back */
+    Place    *found;      /* [found_capacity]  what one block of rays met */
+} Reach;
+
+bool reach_create(Reach *reach, const Surfaces *surfaces, const Bvh *bvh,
+                  const SidesOptions *options, const Monitor *monitor, Error *err);
+void reach_clear(Reach *reach);
+/* Marks a place as in reach. */
+void reach_add(Reach *reach, Place place);
+/* All of a side: its light leaves from anywhere. */
+void reach_add_side(Reach *reach, uint32_t side);
+/* What can be seen from a point in the air, by `rays` rays all round. */
+void reach_look(Reach *reach, Vec3 eye, uint32_t rays, uint32_t seed);
+/* Follows sight from all places reached until nothing new turns up.
+ * fails  false and ERROR_STOPPED. */
+bool reach_spread(Reach *reach, Error *err);
+
+/* Decides which sides emit; returns how many surfaces EMIT_AUTO turned. */
+bool sides_emission(const Surfaces *surfaces, const Bvh *bvh, const Material *materials,
+                    EmitSide emit, uint8_t *emitting, uint32_t *turned, const Monitor *monitor,
+                    Error *err);
 
 #endif

@@ -37,6 +37,7 @@ typedef struct {
     double   *area;         /* [count]  visible area: the patch's area outside other solids */
     uint8_t  *lamp;         /* [count]  1: its factors were sampled from its own side too; NULL: none */
     uint64_t  rays;         /* cast */
+    uint64_t  clamped;      /* factors that chance put above 1: limited to it */
     double    seconds;
 } Links;
 
@@ -58,9 +59,12 @@ bool   links_check(const Links *links);
 
 /* Enforces what must hold, as a step of its own that leaves the raw links to the caller: a new
  * Links. ROWS: each row scaled so that it and its escape sum to 1. RECIPROCITY: A_i F_ij and
- * A_j F_ji become their mean. BOTH: reciprocity, then one factor per patch, d_i d_j, found by
- * iteration until rows hold to 1e-7 (sinkhorn67 in its symmetric form); zeros stay zero, nothing
- * becomes negative. What was reached is in a links_report of the result.
+ * A_j F_ji become their mean, weighted by 1/A_i and 1/A_j, the inverses of their variances (between
+ * a lamp and another patch: what the other found by visibility rays). BOTH: reciprocity, then one
+ * factor per patch, d_i d_j, so that rows hold to 1e-7 ([sinkhorn67] in its symmetric form, found by
+ * Newton's method; factors between a lamp and another patch change less, because they are known
+ * better); zeros stay zero, nothing becomes negative, escape stays. What was reached is in a
+ * links_report of the result.
  * fails  NULL; ERROR_MEMORY, ERROR_STOPPED. A BOTH that cannot converge gives its best and warns
  *        ("closure-missed"). */
 Links *links_close(const Links *links, Closure closure, unsigned threads, const Monitor *monitor,

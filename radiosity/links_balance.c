@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* radiosity/links_balance.c -- scales a symmetric matrix until its rows have given sums.
+ *
+ * Wanted is S'_ij = S_ij exp(v_ij (x_i + x_j)) with row sums t_i: of all symmetric matrices with
+ * these rows and the same zeros, the one nearest to S when entry ij is uncertain by v_ij S_ij (the
+ * relative entropy's minimum; [sinkhorn67] for v = 1). v is 1, and less between a lamp and another
+ * patch: such pairs were sampled by visibility rays and must not take on the noise of the rest.
+ * x minimises a convex function with gradient (row sums - t) and Hessian D + M,
+ * M_ij = v_ij S'_ij, D its row sums. Far off, Sinkhorn's fixed point steps; near, Newton steps by
+ * preconditioned conjugate gradients [knight13]. */
+#include <assert.h>
+#include <float.h>
+#include <math.h>
+
+#include "base/array.h"
+#include "base/parallel.h"
+#include "radiosity/internal.h"
+
+enum { BALANCE_CHUNK = 512 };
+
+/* Rows are stored in float in the end, each entry rounded by up to 2^-24: a sixth of that is as far
+ * as it pays to go. */
+static const double BALANCE_GOAL = 1e-8;
+
+/* Variance of a pair with a lamp, relative to what counting rays would give: visibility rays leave
+ * the variation of the geometry term within the pair, a tenth and less in the standard deviation,
+ * where counted rays have that of rare events, 1 and more. */
+static const double LAMP_VARIANCE = 1.0 / 64;
+
+/* Newton's region: row sums off by less than this. Before, and after a step that failed, Sinkhorn. */
+static const double NEWTON_BELOW = 0.1;
+
+/* No step multiplies an entry by more than e^2. */
+static const double LONGEST_STEP = 1;
+
+/* Curvature, relative to D's, that is nothing but what rounding leaves of sums over 10^4 terms. */
+static const double ROUNDED_TO_ZERO = 1e4 * DBL_EPSILON;
+
+enum { STEPS_MAX = 100, GRADIENT_STEPS_MAX = 200 };
+
+/* Each conjugate gradient solve goes on until its residual is this share of the first. */
+static const double GRADIENT_GOAL = 1e-2;
+
+/* What a patch contributes to the sums of its partners: by the pair's kind, 0 for the other kind. */
+typedef struct {
+    double plain, thin;
+} Term;
+
+typedef struct {
+    const Links *pairs;      /* form_factor holds S */
+    const double *target;    /* [count]  0: the row is empty and left alone */
+    unsigned threads;
+    uint32_t count;
+    Term   *term[2];         /* [count]  as seen by a row that is no lamp, and by a lamp's */
+    double *plain, *thin;    /* [count]  exp(x), exp(v x) */
+    double *x;               /* [count] */
+    double *sum_plain, *sum_thin; /* [count]  results of multiply */
+    double *weight;          /* [count]  D */
+    double *gradient;        /* [count]  t - row sums, then CG's residual */
+    double *step, *direction, *image; /* [count] */
+} Balance;
+
+static void multiply_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
+{
+    const Balance *b = context;
+    const Links *pairs = b->pairs;
+    (void)worker;
+    for (uint32_t i = begin; i < end; i++) {
+        const Term *term = b->term[pairs->lamp[i]];
+        double plain = 0, thin = 0;
+        for (uint64_t k = pairs->first[i]; k < pairs->first[i + 1]; k++) {
+            const Term from = term[pairs->source[k]];
+            plain += pairs->form_factor[k] * from.plain;
+            thin += pairs->form_factor[k] * from.thin;
+        }
+        b->sum_plain[i] = plain * b->plain[i];
+        b->sum_thin[i] = thin * b->thin[i];
+    }
+}
+
+/* Row sums of S' with each column scaled by `by` (NULL: 1), pairs of the two kinds apart. */
+static void multiply(Balance *b, const double *by)
+{
+    for (uint32_t j = 0; j < b->count; j++) {
+        const double scale = by != NULL ? by[j] : 1;
+        const unsigned own = b->pairs->lamp[j];
+        b->term[own][j] = (Term){ .plain = b->plain[j] * scale };
+        b->term[1 - own][j] = (Term){ .thin = b->thin[j] * scale };
+    }
+    parallel_for(b->count, BALANCE_CHUNK, b->threads, multiply_chunk, b, NULL, NULL);
+}
+
+/* Row sums at x: fills gradient and weight; returns the greatest error relative to the area. */
+static double measure(Balance *b)
+{
+    double worst = 0;
+    for (uint32_t i = 0; i < b->count; i++) {
+        b->plain[i] = exp(b->x[i]);
+        b->thin[i] = exp(LAMP_VARIANCE * b->x[i]);
+    }
+    multiply(b, NULL);
+    for (uint32_t i = 0; i < b->count; i++) {
+        b->weight[i] = b->sum_plain[i] + LAMP_VARIANCE * b->sum_thin[i];
+        b->gradient[i] = 0;
+        if (!(b->target[i] > 0))
+            continue;
+        b->gradient[i] = b->target[i] - b->sum_plain[i] - b->sum_thin[i];
+        worst = fmax(worst, fabs(b->gradient[i]) / b->pairs->area[i]);
+    }
+    return worst;
+}
+
+static void sinkhorn_step(Balance *b)
+{
+    for (uint32_t i = 0; i < b->count; i++) {
+        const double sum = b->target[i] - b->gradient[i];
+        b->step[i] = 0;
+        if (b->target[i] > 0 && sum > 0 && b->weight[i] > 0)
+            b->step[i] = log(b->target[i] / sum) * sum / (2 * b->weight[i]);
+    }
+}
+
+static double dot(const Balance *b, const double *p, const double *q)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < b->count; i++)
+        sum += p[i] * q[i];
+    return sum;
+}
+
+/* dot(p, p / weight), and p / weight into q. */
+static double precondition(const Balance *b, const double *p, double *q)
+{
+    for (uint32_t i = 0; i < b->count; i++)
+        q[i] = b->target[i] > 0 && b->weight[i] > 0 ? p[i] / b->weight[i] : 0;
+    return dot(b, p, q);
+}
+
+/* image = (D + M) direction; returns direction . D direction. */
+static double hessian_product(Balance *b)
+{
+    double scale = 0;
+    multiply(b, b->direction);
+    for (uint32_t i = 0; i < b->count; i++) {
+        const double own = b->weight[i] * b->direction[i];
+        b->image[i] = own + b->sum_plain[i] + LAMP_VARIANCE * b->sum_thin[i];
+        scale += own * b->direction[i];
+    }
+    return scale;
+}
+
+/* step = (D + M)^-1 gradient, preconditioned by D. The gradient is used up. */
+static void newton_step(Balance *b)
+{
+    for (uint32_t i = 0; i < b->count; i++)
+        b->step[i] = 0;
+    double rho = precondition(b, b->gradient, b->direction);
+    const double goal = GRADIENT_GOAL * GRADIENT_GOAL * rho;
+    for (int k = 0; k < GRADIENT_STEPS_MAX && rho > goal; k++) {
+        const double scale = hessian_product(b);
+        const double curvature = dot(b, b->direction, b->image);
+        if (!(curvature > ROUNDED_TO_ZERO * scale))
+            return; /* along the null space of two groups that see only each other */
+        const double alpha = rho / curvature;
+        for (uint32_t i = 0; i < b->count; i++) {
+            b->step[i] += alpha * b->direction[i];
+            b->gradient[i] -= alpha * b->image[i];
+        }
+        const double old = rho;
+        rho = precondition(b, b->gradient, b->image);
+        for (uint32_t i = 0; i < b->count; i++)
+            b->direction[i] = b->image[i] + rho / old * b->direction[i];
+    }
+}
+
+static void take_step(Balance *b)
+{
+    double longest = 0;
+    for (uint32_t i = 0; i < b->count; i++)
+        longest = fmax(longest, fabs(b->step[i]));
+    const double scale = longest > LONGEST_STEP ? LONGEST_STEP / longest : 1;
+    for (uint32_t i = 0; i < b->count; i++)
+        b->x[i] += scale * b->step[i];
+}
+
+static bool iterate(Balance *b, double *best_x, const Monitor *monitor, double *reached)
+{
+    double error = measure(b), before = INFINITY;
+    *reached = INFINITY;
+    for (int k = 0;; k++) {
+        if (error < *reached) {
+            *reached = error;
+            for (uint32_t i = 0; i < b->count; i++)
+                best_x[i] = b->x[i];
+        }
+        if (error <= BALANCE_GOAL || k == STEPS_MAX)
+            return true;
+        if (monitor_stop(monitor))
+            return false;
+        if (error < NEWTON_BELOW && error < before)
+            newton_step(b);
+        else
+            sinkhorn_step(b);
+        take_step(b);
+        before = error;
+        error = measure(b);
+    }
+}
+
+static void scale_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
+{
+    const Balance *b = context;
+    const Links *pairs = b->pairs;
+    (void)worker;
+    for (uint32_t i = begin; i < end; i++)
+        for (uint64_t k = pairs->first[i]; k < pairs->first[i + 1]; k++) {
+            const uint32_t j = pairs->source[k];
+            const bool same = pairs->lamp[i] == pairs->lamp[j];
+            const double factor = same ? b->plain[i] * b->plain[j] : b->thin[i] * b->thin[j];
+            pairs->form_factor[k] =
+                (float)fmin(pairs->form_factor[k] * factor / pairs->area[i], 1);
+        }
+}
+
+static bool balance_init(Balance *b, Error *err)
+{
+    double **const arrays[] = { &b->plain, &b->thin, &b->x, &b->sum_plain, &b->sum_thin,
+                                &b->weight, &b->gradient, &b->step, &b->direction, &b->image };
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+        *arrays[k] = array_create(b->count, sizeof(double), "the closure", err);
+    b->term[0] = array_create(b->count, sizeof *b->term[0], "the closure", err);
+    b->term[1] = array_create(b->count, sizeof *b->term[1], "the closure", err);
+    return !error_is_set(err);
+}
+
+static void balance_clear(Balance *b)
+{
+    double *const arrays[] = { b->plain, b->thin, b->x, b->sum_plain, b->sum_thin,
+                               b->weight, b->gradient, b->step, b->direction, b->image };
+    for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+        array_free(arrays[k]);
+    array_free(b->term[0]);
+    array_free(b->term[1]);
+}
+
+bool links_balance(Links *pairs, const double *target, unsigned threads, const Monitor *monitor,
+                   double *reached, Error *err)
+{
+    assert(pairs != NULL && pairs->lamp != NULL && target != NULL);
+    Balance b = { .pairs = pairs, .target = target, .threads = threads, .count = pairs->count };
+    double *best_x = array_create(pairs->count, sizeof *best_x, "the closure", err);
+    bool done = best_x != NULL && balance_init(&b, err);
+    if (done) {
+        done = iterate(&b, best_x, monitor, reached) ||
+               error_set(err, ERROR_STOPPED, "stopped while closing form factors");
+        for (uint32_t i = 0; i < b.count; i++) {
+            b.plain[i] = exp(best_x[i]);
+            b.thin[i] = exp(LAMP_VARIANCE * best_x[i]);
+        }
+        parallel_for(b.count, BALANCE_CHUNK, threads, scale_chunk, &b, NULL, NULL);
+    }
+    balance_clear(&b);
+    array_free(best_x);
+    return done;
+}

@@ -1,0 +1,228 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* radiosity/links_cast.c -- one row of form factors by rays from points all over a patch. */
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "math/sampling.h"
+#include "radiosity/internal.h"
+
+bool row_cast_create(RowCast *row, uint32_t rays, uint32_t lamp_rays, Error *err)
+{
+    assert(rays > 0);
+    const size_t all = (size_t)rays + lamp_rays, most = rays > lamp_rays ? rays : lamp_rays;
+    static const char what[] = "the rays of a patch";
+    *row = (RowCast){ .rays = rays, .lamp_rays = lamp_rays,
+                      .positions = (rays - 1) / RAYS_PER_POSITION + 1 };
+    row->position = array_create(row->positions, sizeof *row->position, what, err);
+    row->ray = array_create(most, sizeof *row->ray, what, err);
+    row->valid = array_create(row->positions, sizeof *row->valid, what, err);
+    row->end = array_create(rays, sizeof *row->end, what, err);
+    row->hit = array_create(rays, sizeof *row->hit, what, err);
+    row->blocked = array_create(lamp_rays, sizeof *row->blocked, what, err);
+    row->cosine = array_create(rays, sizeof *row->cosine, what, err);
+    row->value = array_create(all, sizeof *row->value, what, err);
+    row->key = array_create(all, sizeof *row->key, what, err);
+    row->other = array_create(all, sizeof *row->other, what, err);
+    row->source = array_create(all, sizeof *row->source, what, err);
+    row->form_factor = array_create(all, sizeof *row->form_factor, what, err);
+    return !error_is_set(err);
+}
+
+void row_cast_clear(RowCast *row)
+{
+    array_free(row->position);
+    array_free(row->valid);
+    array_free(row->end);
+    array_free(row->ray);
+    array_free(row->hit);
+    array_free(row->blocked);
+    array_free(row->cosine);
+    array_free(row->value);
+    array_free(row->key);
+    array_free(row->other);
+    array_free(row->source);
+    array_free(row->form_factor);
+    *row = (RowCast){ 0 };
+}
+
+/* Ray k leaves from position k mod positions: the first `positions` points of the net are a net of
+ * their own over the patch, and the directions of all points are one over the hemisphere. */
+static void make_rays(RowCast *row, const Room *room, uint32_t patch, uint32_t seed)
+{
+    for (uint32_t k = 0; k < row->rays; k++) {
+        CastPosition *p = &row->position[k % row->positions];
+        float x[4];
+        sampling_sobol4(k, seed, x);
+        if (k < row->positions) {
+            *p = (CastPosition){ .good = 0 };
+            patches_point(room->patches, room->surfaces, patch, x[0], x[1], &p->at);
+        }
+        const Vec3 n = p->at.point.normal, local = sampling_cosine(x[2], x[3]);
+        Vec3 u, v;
+        vec3_frame(n, &u, &v);
+        const Vec3 d = vec3_mad(vec3_mad(vec3_scale(n, local.z), local.x, u), local.y, v);
+        row->cosine[k] = local.z;
+        row->ray[k] = ray_leaving(p->at.point.point, n, room->offset, d, INFINITY);
+    }
+}
+
+static Vec3 ray_direction(const Ray *ray)
+{
+    return vec3(ray->dx, ray->dy, ray->dz);
+}
+
+/* Resolves all hits, counts each position's good and bad rays, and returns how many rays stay. A
+ * position half or more of whose rays meet sides that take no part lies inside a solid: one ray
+ * alone may have slipped through a crack. Half, not all: where solids run into each other, some rays
+ * from inside the one end on the hidden part of the other, which does take part elsewhere. */
+static uint32_t judge_positions(RowCast *row, const Room *room)
+{
+    for (uint32_t k = 0; k < row->rays; k++) {
+        CastPosition *p = &row->position[k % row->positions];
+        RayEnd *end = &row->end[k];
+        end->escaped = row->hit[k].primitive == RAY_MISS;
+        end->patch = end->escaped ? PATCH_NONE
+                                  : room_patch(room, &row->hit[k], ray_direction(&row->ray[k]),
+                                               &end->s, &end->t);
+        if (end->escaped || end->patch != PATCH_NONE)
+            p->good++;
+        else
+            p->bad++;
+    }
+    uint32_t rays = 0;
+    row->valid_count = 0;
+    for (uint32_t p = 0; p < row->positions; p++)
+        if (row->position[p].bad < row->position[p].good) {
+            row->valid[row->valid_count++] = p;
+            rays += row->position[p].good;
+        } else {
+            row->position[p].good = 0;
+        }
+    return rays;
+}
+
+/* How much a ray of the hemisphere counts where the lamp's own samples could have found the same:
+ * the balance heuristic [veach95], over solid angle. */
+static double hemisphere_weight(const RowCast *row, const Room *room, const LampTable *lamps,
+                                uint32_t k, uint32_t rays)
+{
+    const RayEnd *end = &row->end[k];
+    if (row->lamp_rays == 0 || !(lamps->probability[end->patch] > 0))
+        return 1;
+    const Hit *hit = &row->hit[k];
+    const Vec3 n = surfaces_normal(room->surfaces, hit->primitive, hit->u, hit->v);
+    const double cosine = fabs(vec3_dot(n, ray_direction(&row->ray[k])));
+    const double here = rays * row->cosine[k] / M_PI;
+    const double there = row->lamp_rays * lamp_density(room, lamps, end->patch, end->s, end->t,
+                                                       hit->t, cosine);
+    return here / (here + there);
+}
+
+void row_cast_add(RowCast *row, uint32_t patch, double share)
+{
+    row->key[row->keys] = (uint64_t)patch << 32 | row->keys;
+    row->value[row->keys++] = (float)share;
+}
+
+static void add_hemisphere(RowCast *row, const Room *room, const LampTable *lamps, uint32_t rays)
+{
+    double weights = 0;
+    for (uint32_t v = 0; v < row->valid_count; v++)
+        weights += row->position[row->valid[v]].at.weight;
+    for (uint32_t k = 0; k < row->rays; k++) {
+        const CastPosition *p = &row->position[k % row->positions];
+        const RayEnd *end = &row->end[k];
+        if (p->good == 0 || (end->patch == PATCH_NONE && !end->escaped))
+            continue;
+        const double share = p->at.weight / (weights * p->good);
+        if (end->escaped)
+            row->escape += share;
+        else
+            row_cast_add(row, end->patch, share * hemisphere_weight(row, room, lamps, k, rays));
+    }
+}
+
+/* Share of the patch that lies outside solids. */
+static double visible_share(const RowCast *row)
+{
+    double all = 0, good = 0;
+    for (uint32_t p = 0; p < row->positions; p++) {
+        all += row->position[p].at.weight;
+        good += row->position[p].good > 0 ? row->position[p].at.weight : 0;
+    }
+    return all > 0 ? good / all : 0;
+}
+
+/* Sorts the keys: runs of 8 by insertion, then merged. A row has a few hundred. */
+static void sort_keys(RowCast *row)
+{
+    enum { RUN = 8 };
+    uint64_t *from = row->key, *to = row->other;
+    const uint32_t n = row->keys;
+    for (uint32_t k = 0; k < n; k++) {
+        const uint64_t key = from[k];
+        uint32_t at = k;
+        for (; at % RUN != 0 && from[at - 1] > key; at--)
+            from[at] = from[at - 1];
+        from[at] = key;
+    }
+    for (uint32_t run = RUN; run < n; run *= 2) {
+        for (uint32_t begin = 0; begin < n; begin += 2 * run) {
+            const uint32_t middle = n - begin < run ? n : begin + run;
+            const uint32_t end = n - begin < 2 * run ? n : begin + 2 * run;
+            uint32_t a = begin, b = middle;
+            for (uint32_t k = begin; k < end; k++)
+                to[k] = b == end || (a < middle && from[a] < from[b]) ? from[a++] : from[b++];
+        }
+        uint64_t *const swap = from;
+        from = to;
+        to = swap;
+    }
+    row->key = from;
+    row->other = to;
+}
+
+/* Sums the shares of each patch, in the order of the rays. */
+static void gather_row(RowCast *row)
+{
+    sort_keys(row);
+    row->links = 0;
+    for (uint32_t k = 0; k < row->keys;) {
+        const uint32_t patch = (uint32_t)(row->key[k] >> 32);
+        double sum = 0;
+        for (; k < row->keys && (uint32_t)(row->key[k] >> 32) == patch; k++)
+            sum += row->value[(uint32_t)row->key[k]];
+        if (!(sum > 0))
+            continue;
+        row->clamped += sum > 1;
+        row->source[row->links] = patch;
+        row->form_factor[row->links++] = (float)fmin(sum, 1);
+    }
+}
+
+uint32_t row_cast_positions(RowCast *row, const Room *room, uint32_t patch, uint32_t seed)
+{
+    assert(patch < room->patches->count && row->rays > 0);
+    make_rays(row, room, patch, sampling_seed(seed, patch, SEED_ROWS, 0));
+    bvh_nearest_many(room->bvh, row->ray, row->hit, row->rays);
+    row->cast += row->rays;
+    return judge_positions(row, room);
+}
+
+void row_cast_run(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch,
+                  uint32_t seed)
+{
+    row->keys = 0;
+    row->escape = 0;
+    const uint32_t rays = row_cast_positions(row, room, patch, seed);
+    row->area = room->patches->area[patch] * visible_share(row);
+    if (rays > 0) {
+        add_hemisphere(row, room, lamps, rays);
+        if (lamps->count > 0 && row->lamp_rays > 0)
+            row_cast_lamps(row, room, lamps, sampling_seed(seed, patch, SEED_LAMPS, 0), rays);
+    }
+    row->escape = fmin(row->escape, 1);
+    gather_row(row);
+}

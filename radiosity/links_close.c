@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* radiosity/links_close.c -- enforces what must hold of form factors, each way in a new Links. */
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "radiosity/internal.h"
+
+static Links *copy(const Links *links, Error *err)
+{
+    const uint64_t nonzeros = links->first[links->count];
+    Links *out = links_allocate(links->count, nonzeros, err);
+    if (out == NULL)
+        return NULL;
+    memcpy(out->first, links->first, ((size_t)links->count + 1) * sizeof *out->first);
+    memcpy(out->source, links->source, nonzeros * sizeof *out->source);
+    memcpy(out->form_factor, links->form_factor, nonzeros * sizeof *out->form_factor);
+    memcpy(out->escape, links->escape, links->count * sizeof *out->escape);
+    memcpy(out->area, links->area, links->count * sizeof *out->area);
+    if (links->lamp != NULL)
+        memcpy(out->lamp, links->lamp, links->count * sizeof *out->lamp);
+    return out;
+}
+
+static void scale_rows(Links *links)
+{
+    for (uint32_t i = 0; i < links->count; i++) {
+        double sum = links->escape[i];
+        for (uint64_t k = links->first[i]; k < links->first[i + 1]; k++)
+            sum += links->form_factor[k];
+        if (!(sum > 0))
+            continue; /* hidden inside a solid */
+        links->escape[i] = (float)fmin(links->escape[i] / sum, 1);
+        for (uint64_t k = links->first[i]; k < links->first[i + 1]; k++)
+            links->form_factor[k] = (float)fmin(links->form_factor[k] / sum, 1);
+    }
+}
+
+/* Pairs S_ij back to factors S_ij / A_i. */
+static void divide_by_area(Links *pairs)
+{
+    for (uint32_t i = 0; i < pairs->count; i++)
+        for (uint64_t k = pairs->first[i]; k < pairs->first[i + 1]; k++)
+            pairs->form_factor[k] = (float)fmin(pairs->form_factor[k] / pairs->area[i], 1);
+}
+
+/* What row i must sum to, as power; a patch without partner sends all it has out of the scene, for
+ * there is no one left it could be linked to. Returns the area of these. */
+static double set_targets(Links *pairs, double *target)
+{
+    double lost = 0;
+    for (uint32_t i = 0; i < pairs->count; i++) {
+        const bool alone = pairs->first[i + 1] == pairs->first[i];
+        if (alone && pairs->area[i] > 0 && pairs->escape[i] < 1) {
+            lost += pairs->area[i] * (1 - pairs->escape[i]);
+            pairs->escape[i] = 1;
+        }
+        target[i] = alone ? 0 : pairs->area[i] * (1 - (double)pairs->escape[i]);
+    }
+    return lost;
+}
+
+/* A row that misses its sum by more than this is worth a warning. */
+static const double MISSED_ABOVE = 1e-7;
+
+static bool close_both(Links *pairs, unsigned threads, const Monitor *monitor, Error *err)
+{
+    double *target = array_create(pairs->count, sizeof *target, "the closure", err);
+    double missed = 0;
+    if (target == NULL)
+        return false;
+    const double lost = set_targets(pairs, target);
+    const bool done = links_balance(pairs, target, threads, monitor, &missed, err);
+    array_free(target);
+    if (done && lost > 0)
+        monitor_warn(monitor, "closure-alone", "",
+                     "patches that no other patch found again: their light, of area %g in all, "
+                     "is counted as escaped", lost);
+    if (done && missed > MISSED_ABOVE)
+        monitor_warn(monitor, "closure-missed", "",
+                     "no scaling makes all rows of form factors sum to 1: they miss it by up to "
+                     "%.2g; more rays or smaller patches help", missed);
+    return done;
+}
+
+Links *links_close(const Links *links, Closure closure, unsigned threads, const Monitor *monitor,
+                   Error *err)
+{
+    if (error_is_set(err))
+        return NULL;
+    assert(links != NULL && (unsigned)closure <= CLOSURE_BOTH);
+    Links *out = closure == CLOSURE_NONE || closure == CLOSURE_ROWS
+                     ? copy(links, err)
+                     : links_pairs(links, threads, err);
+    if (out == NULL)
+        return NULL;
+    out->rays = links->rays;
+    out->clamped = links->clamped;
+    out->seconds = links->seconds;
+    if (closure == CLOSURE_ROWS)
+        scale_rows(out);
+    else if (closure == CLOSURE_RECIPROCITY)
+        divide_by_area(out);
+    else if (closure == CLOSURE_BOTH && !close_both(out, threads, monitor, err))
+        return links_destroy(out);
+    return out;
+}

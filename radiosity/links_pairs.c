@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* radiosity/links_pairs.c -- what i found of j and j of i, made one number: a symmetric matrix. */
+#include <assert.h>
+#include <math.h>
+
+#include "base/array.h"
+#include "base/parallel.h"
+#include "radiosity/internal.h"
+
+enum { PAIR_CHUNK = 256 };
+
+static bool is_lamp(const Links *links, uint32_t i)
+{
+    return links->lamp != NULL && links->lamp[i] != 0;
+}
+
+/* S_ij = A_i F_ij out of both estimates, the same bits whichever comes first.
+ *
+ * Rays of i that meet j are rare events: of n rays about n F_ij do, so A_i F_ij has the variance
+ * A_i S / n, and the best mean of the two estimates weights them by 1/A_i and 1/A_j. It depends on
+ * nothing that was sampled, so it adds no bias. A lamp is found by the other patch's own visibility
+ * rays, with an error that is small beside that of the few rays of the lamp that come back: between
+ * a lamp and another patch the other's word counts alone. */
+static double pair_value(const Links *links, uint32_t i, uint32_t j, double f, double back)
+{
+    const double a = links->area[i], b = links->area[j];
+    if (!(a > 0 && b > 0 && links->escape[i] < 1 && links->escape[j] < 1))
+        return 0;
+    double s = (f + back) * (a * b / (a + b));
+    if (is_lamp(links, i) != is_lamp(links, j))
+        s = is_lamp(links, i) ? b * back : a * f;
+    return fmin(s, fmin(a, b)); /* neither factor may exceed 1 */
+}
+
+typedef struct {
+    const Links       *links;
+    const LinkColumns *columns;
+    uint64_t          *length; /* [count + 1]  links in row i at i + 1 */
+    Links             *out;    /* NULL: only count */
+} Pairing;
+
+/* Merges row i and column i, both sorted, into the row of pairs. */
+static void pair_row(Pairing *p, uint32_t i)
+{
+    const Links *links = p->links;
+    uint64_t r = links->first[i], c = p->columns->first[i];
+    const uint64_t r_end = links->first[i + 1], c_end = p->columns->first[i + 1];
+    uint64_t at = p->out != NULL ? p->out->first[i] : 0;
+    const uint64_t begin = at;
+    while (r < r_end || c < c_end) {
+        const uint32_t from_row = r < r_end ? links->source[r] : PATCH_NONE;
+        const uint32_t from_column = c < c_end ? p->columns->receiver[c] : PATCH_NONE;
+        const uint32_t j = from_row < from_column ? from_row : from_column;
+        const double f = from_row == j ? links->form_factor[r++] : 0;
+        const double back = from_column == j ? p->columns->form_factor[c++] : 0;
+        const float s = (float)pair_value(links, i, j, f, back);
+        if (!(s > 0))
+            continue;
+        if (p->out != NULL) {
+            p->out->source[at] = j;
+            p->out->form_factor[at] = s;
+        }
+        at++;
+    }
+    if (p->out == NULL)
+        p->length[i + 1] = at - begin;
+    else
+        assert(at == p->out->first[i + 1]);
+}
+
+static void pair_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
+{
+    (void)worker;
+    for (uint32_t i = begin; i < end; i++)
+        pair_row(context, i);
+}
+
+Links *links_pairs(const Links *links, unsigned threads, Error *err)
+{
+    const uint32_t count = links->count;
+    LinkColumns columns = { 0 };
+    uint64_t *length = array_create((size_t)count + 1, sizeof *length, "pairs of links", err);
+    Links *out = NULL;
+    if (length != NULL && link_columns_create(links, &columns, err)) {
+        Pairing pairing = { links, &columns, length, NULL };
+        parallel_for(count, PAIR_CHUNK, threads, pair_chunk, &pairing, NULL, NULL);
+        for (uint32_t i = 0; i < count; i++)
+            length[i + 1] += length[i];
+        pairing.out = out = links_allocate(count, length[count], err);
+        if (out != NULL) {
+            for (uint32_t i = 0; i < count; i++) {
+                out->first[i + 1] = length[i + 1];
+                out->escape[i] = links->escape[i];
+                out->area[i] = links->area[i];
+                out->lamp[i] = is_lamp(links, i);
+            }
+            parallel_for(count, PAIR_CHUNK, threads, pair_chunk, &pairing, NULL, NULL);
+        }
+    }
+    link_columns_clear(&columns);
+    array_free(length);
+    return out;
+}
