@@ -35,9 +35,12 @@ run_one() {
     *.sh) command=(bash "$1") ;;
     */replay_*) command=("$1" "tests/fuzz/corpus/${name#replay_}") ;;
     esac
-    TMPDIR=$scratch timeout -k 10 "$limit" "${command[@]}" \
-        </dev/null >"$log/$name.out" 2>"$log/$name.err"
-    echo $? >"$log/$name.status"
+    # The braces take the shell's own word on a crash, which report_one says better.
+    {
+        TMPDIR=$scratch timeout -k 10 "$limit" "${command[@]}" \
+            </dev/null >"$log/$name.out" 2>"$log/$name.err"
+        echo $? >"$log/$name.status"
+    } 2>/dev/null
     rm -rf "$scratch"
 }
 
