@@ -127,7 +127,7 @@ static size_t index_value(const GltfContext *c, const Json *json, const char *wh
         return SIZE_MAX;
     }
     if (value >= (double)limit) {
-        gltf_error(c, where, "\"%s\" is %.0f, but there are only %zu", key, value, limit);
+        gltf_error(c, where, "\"%s\" is %.0f, but must be below %zu", key, value, limit);
         return SIZE_MAX;
     }
     return (size_t)value;

@@ -22,7 +22,6 @@
 
 static const double degrees_per_radian = 57.295779513082320877;
 
-/* A light without attenuation of its own keeps its colour as intensity. */
 typedef struct {
     const char           *path;
     PipeWriter           *out;
@@ -152,7 +151,7 @@ static void material_send(Import *import, const struct aiMaterial *from)
     pipe_put_material(import->out, &m);
 }
 
-/* The materials of the file; assimp's own stand-in for none stays out. */
+/* The materials of the file; assimp's own stand-ins for none, unnamed in PLY, stay out. */
 static bool materials_send(Import *import)
 {
     const struct aiScene *scene = import->scene;
@@ -172,7 +171,7 @@ static bool materials_send(Import *import)
         if (import->gltf != NULL) {
             if (sscanf(name.data, "m%zu", &index) == 1 && index < import->gltf->material_count)
                 import->material[i] = (uint32_t)index;
-        } else if (strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) != 0) {
+        } else if (name.length > 0 && strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) != 0) {
             material_send(import, m);
             import->material[i] = sent++;
             textured = textured || aiGetMaterialTextureCount(m, aiTextureType_DIFFUSE) > 0 ||

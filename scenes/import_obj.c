@@ -68,11 +68,20 @@ static bool library_open(ObjReader *r, char *name, bool *found, Error *err)
     return !*found || import_mtl(&r->library, path, &r->target->hash, err);
 }
 
+static void library_missing(const ObjReader *r, const char *name)
+{
+    char where[256];
+
+    snprintf(where, sizeof where, "%s:%u", r->text.path, r->text.line);
+    monitor_warn(reader_monitor(r), "material-missing", where,
+                 "material library \"%s\" is not there; its materials become grey 0.5", name);
+}
+
 /* The whole rest is one name with spaces; if there is no such file, it is several names. */
 static bool libraries_read(ObjReader *r, const char *line, Error *err)
 {
-    char rest[1024], name[1024];
-    bool found;
+    char rest[1024], name[1024], missing[1024] = "";
+    bool found, any = false;
 
     text_rest(line, rest, sizeof rest);
     snprintf(name, sizeof name, "%s", rest);
@@ -80,20 +89,18 @@ static bool libraries_read(ObjReader *r, const char *line, Error *err)
         return false;
     if (found)
         return true;
-    for (Word word; (word = text_word(&line)).length > 0;) {
-        snprintf(name, sizeof name, "%.*s", (int)word.length, word.begin);
-        if (word.length >= sizeof name)
-            return text_error(&r->text, err, "the name of the material library is too long");
+    for (Word word; (word = text_word(&line)).length > 0; any = any || found) {
+        snprintf(name, sizeof name, "%.*s", (int)(word.length < 1000 ? word.length : 1000),
+                 word.begin);
         if (!library_open(r, name, &found, err))
             return false;
-        if (!found) {
-            char where[256];
-            snprintf(where, sizeof where, "%s:%u", r->text.path, r->text.line);
-            monitor_warn(reader_monitor(r), "material-missing", where,
-                         "material library \"%s\" is not there; its materials become grey 0.5",
-                         name);
-        }
+        if (!found)
+            snprintf(missing, sizeof missing, "%s", name);
     }
+    if (!any)
+        library_missing(r, rest);
+    else if (missing[0] != 0)
+        library_missing(r, missing);
     return true;
 }
 
