@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* mesh/patches.h -- surfaces cut into patches: the flat arrays that solvers work on.
  *
  * Each side of a surface that is in use (front 0, back 1) has patches of its own, cut on a grid:

@@ -45,7 +45,8 @@ static double *weld_tolerances(const Polygons *soup, Error *err)
 
 static bool soup_fits(const Polygons *soup, Error *err)
 {
-    const uint32_t most = UINT32_MAX / 4 - 4; /* 4 * surface + edge is one number */
+    /* 2 * (4 * surface + edge) + side is one number. */
+    const uint32_t most = UINT32_MAX / 8 - 1;
     const size_t corners = soup->polygon_count > 0 ? soup->first[soup->polygon_count] : 0;
     if (soup->vertex_count < most && corners < most && soup->shape_count < most - corners)
         return true;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* mesh/surfaces.h -- the soup made connected: what rays meet and what is cut into patches.
  *
  * A surface is a piece with parameters (s, t) in [0,1]^2 (triangles: s + t <= 1):
