@@ -69,12 +69,30 @@ double viewbox_extent(const ViewBox *box, int axis)
     return vec3_axis(box->hi, axis) - vec3_axis(box->lo, axis);
 }
 
+static Ray sight_ray(Vec3 p, Vec3 d)
+{
+    return (Ray){ .ox = (float)p.x, .oy = (float)p.y, .oz = (float)p.z, .t_min = 0,
+                  .dx = (float)d.x, .dy = (float)d.y, .dz = (float)d.z, .t_max = INFINITY };
+}
+
+double viewbox_look(const ViewBox *box, Vec3 p, Vec3 d, bool *front)
+{
+    Hit hit;
+    const Ray ray = sight_ray(p, d);
+
+    *front = true;
+    if (!bvh_nearest(box->bvh, &ray, &hit))
+        return INFINITY;
+    if (box->surfaces != NULL)
+        *front = vec3_dot(surfaces_normal(box->surfaces, hit.primitive, (double)hit.u,
+                                          (double)hit.v), d) < 0;
+    return (double)hit.t;
+}
+
 double viewbox_sight(const ViewBox *box, Vec3 p, Vec3 d)
 {
     Hit hit;
-    const Ray ray = { .ox = (float)p.x, .oy = (float)p.y, .oz = (float)p.z, .t_min = 0,
-                      .dx = (float)d.x, .dy = (float)d.y, .dz = (float)d.z, .t_max = INFINITY };
-
+    const Ray ray = sight_ray(p, d);
     return bvh_nearest(box->bvh, &ray, &hit) ? (double)hit.t : INFINITY;
 }
 
@@ -171,20 +189,34 @@ static void view_outside(const ViewBox *box, Camera *camera)
     camera->vertical_fov = outside_fov;
 }
 
+static void view_choose(const ViewBox *box, Camera *camera)
+{
+    Side side = { box->a, box->b, 1 };
+
+    *camera = (Camera){ .up = viewbox_axis(box->up, box->sense) };
+    snprintf(camera->name, sizeof camera->name, "default");
+    if (open_side_find(box, &side))
+        view_through(box, side, camera);
+    else if (!view_inside(box, camera))
+        view_outside(box, camera);
+    /* A flat scene seen edge-on from its own plane, or one without size: any view will do. */
+    if (!(vec3_length(vec3_sub(camera->target, camera->eye)) > 0))
+        camera->target = vec3_add(camera->eye, viewbox_axis(box->b, 1));
+    assert(vec3_finite(camera->eye) && vec3_finite(camera->target));
+}
+
 void view_default(const Scene *scene, const Bvh *bvh, Vec3 lo, Vec3 hi, Camera *camera)
 {
     assert(scene != NULL && bvh != NULL && camera != NULL);
     const ViewBox box = viewbox_make(bvh, lo, hi, scene->up);
-    Side side = { box.a, box.b, 1 };
+    view_choose(&box, camera);
+}
 
-    *camera = (Camera){ .up = viewbox_axis(box.up, box.sense) };
-    snprintf(camera->name, sizeof camera->name, "default");
-    if (open_side_find(&box, &side))
-        view_through(&box, side, camera);
-    else if (!view_inside(&box, camera))
-        view_outside(&box, camera);
-    /* A flat scene seen edge-on from its own plane, or one without size: any view will do. */
-    if (!(vec3_length(vec3_sub(camera->target, camera->eye)) > 0))
-        camera->target = vec3_add(camera->eye, viewbox_axis(box.b, 1));
-    assert(vec3_finite(camera->eye) && vec3_finite(camera->target));
+void view_of_surfaces(const Scene *scene, const Surfaces *surfaces, const Bvh *bvh,
+                      Camera *camera)
+{
+    assert(scene != NULL && surfaces != NULL && bvh != NULL && camera != NULL);
+    ViewBox box = viewbox_make(bvh, surfaces->lo, surfaces->hi, scene->up);
+    box.surfaces = surfaces;
+    view_choose(&box, camera);
 }

@@ -1,7 +1,9 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* scenes/view.h -- a camera for a scene that has none: inside the room, or through its open side. */
 #ifndef SCENES_VIEW_H
 #define SCENES_VIEW_H
 
+#include "mesh/surfaces.h"
 #include "raycast/bvh.h"
 #include "scenes/scene.h"
 
@@ -11,5 +13,10 @@
  * looks at the far end, chosen among candidates by how much and how far it sees. `up` as the scene's.
  * hits come from `bvh`, built over the scene's geometry. */
 void view_default(const Scene *scene, const Bvh *bvh, Vec3 lo, Vec3 hi, Camera *camera);
+
+/* The same, knowing the surfaces that `bvh` was built over: places that see fronts are preferred to
+ * hollows behind walls and under floors, which see backs. */
+void view_of_surfaces(const Scene *scene, const Surfaces *surfaces, const Bvh *bvh,
+                      Camera *camera);
 
 #endif
