@@ -210,7 +210,7 @@ bool msd_surface_symbol(MsdReader *r, uint32_t number, uint32_t *symbol);
 bool msd_define(MsdReader *r, const MsdBinding *binding);
 bool msd_scope_begin(MsdReader *r);
 void msd_scope_end(MsdReader *r);
-/* "FLOAT", "VECTOR", ... */
+/* "a FLOAT", "a VECTOR", ... */
 const char *msd_kind_name(NameKind kind);
 /* The current token must name something of that kind: *index into bindings; reads over it. */
 bool msd_named(MsdReader *r, NameKind kind, uint32_t *index);

@@ -79,6 +79,18 @@ void msd_warn(MsdReader *r, MsdPlace place, const char *code, const char *format
     monitor_warn(r->options->monitor, code, where, "%s", line);
 }
 
+/* Whether a name would be a word if its letters were all of one case. */
+static bool is_mixed_word(const MsdToken *t, const char *text, size_t length)
+{
+    char lower[QUOTE_MAX];
+
+    if (t->kind != TOKEN_NAME || length > sizeof lower)
+        return false;
+    for (size_t i = 0; i < length; i++)
+        lower[i] = text[i] >= 'A' && text[i] <= 'Z' ? (char)(text[i] - 'A' + 'a') : text[i];
+    return msd_word(lower, length) != WORD_NONE;
+}
+
 bool msd_expected(MsdReader *r, const char *what)
 {
     const MsdToken *t = &r->token;
@@ -96,6 +108,9 @@ bool msd_expected(MsdReader *r, const char *what)
             length--;
     if (t->kind == TOKEN_WORD && t->word == WORD_UNBUILT)
         return msd_error(r, t->place, "found %.*s, which is not built yet, expected %s",
+                         (int)length, text, what);
+    if (is_mixed_word(t, text, length))
+        return msd_error(r, t->place, "found '%.*s', a word in mixed case, expected %s",
                          (int)length, text, what);
     return msd_error(r, t->place, "found '%.*s%s', expected %s", (int)length, text,
                      cut ? "..." : "", what);

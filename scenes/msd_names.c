@@ -127,8 +127,8 @@ void msd_scope_end(MsdReader *r)
 
 const char *msd_kind_name(NameKind kind)
 {
-    static const char *const names[] = { "FLOAT", "VECTOR", "MATRIX",
-                                         "OBJECT", "CAMERA", "SURFACE" };
+    static const char *const names[] = { "a FLOAT", "a VECTOR", "a MATRIX",
+                                         "an OBJECT", "a CAMERA", "a SURFACE" };
     assert((size_t)kind < sizeof names / sizeof names[0]);
     return names[kind];
 }
@@ -137,7 +137,7 @@ bool msd_named(MsdReader *r, NameKind kind, uint32_t *index)
 {
     char what[48];
 
-    snprintf(what, sizeof what, "the name of a %s", msd_kind_name(kind));
+    snprintf(what, sizeof what, "the name of %s", msd_kind_name(kind));
     if (r->token.kind != TOKEN_NAME)
         return msd_expected(r, what);
     const MsdBinding *b = msd_lookup(r, r->token.symbol);
@@ -146,7 +146,7 @@ bool msd_named(MsdReader *r, NameKind kind, uint32_t *index)
         return msd_error(r, r->token.place, "found '%.40s', which is not declared, expected %s",
                          text, what);
     if (b->kind != kind)
-        return msd_error(r, r->token.place, "found '%.40s', which is a %s, expected %s", text,
+        return msd_error(r, r->token.place, "found '%.40s', which is %s, expected %s", text,
                          msd_kind_name(b->kind), what);
     *index = (uint32_t)(b - r->bindings);
     return msd_next(r);

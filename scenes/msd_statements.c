@@ -55,6 +55,8 @@ static bool group_read(MsdReader *r)
 /* A new name: *symbol, and reads over it. */
 static bool new_name(MsdReader *r, uint32_t *symbol)
 {
+    if (r->token.kind == TOKEN_WORD)
+        return msd_expected(r, "a name that is no word of the language");
     if (r->token.kind != TOKEN_NAME)
         return msd_expected(r, "a name");
     *symbol = r->token.symbol;

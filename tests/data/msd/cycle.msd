@@ -1,0 +1,1 @@
+BEGIN INCLUDE "cycle2.msd" ; END

@@ -1,0 +1,2 @@
+
+  INCLUDE "parts/../cycle.msd" ;

@@ -1,0 +1,2 @@
+// wrong two files down
+INCLUDE parts/wrong.msd ;
