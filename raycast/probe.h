@@ -78,8 +78,10 @@ static inline void probe_init(Probe *p, const Ray *ray, const float lo[3], const
     const int x = z == 2 ? 0 : z + 1, y = x == 2 ? 0 : x + 1;
     const float largest = fabsf(d[z]), smallest = largest * PROBE_SMALLEST_SLOPE;
     float reach[3];
-    for (int k = 0; k < 3; k++)
-        reach[k] = fmaxf(fabsf(lo[k] - o[k]), fabsf(hi[k] - o[k]));
+    for (int k = 0; k < 3; k++) {
+        const float a = fabsf(lo[k] - o[k]), b = fabsf(hi[k] - o[k]);
+        reach[k] = a > b ? a : b;
+    }
     const float reach_z = reach[z];
 
     p->octant = 0;
@@ -151,6 +153,16 @@ static inline bool probe_triangle(const Probe *p, const float corner[3][3], uint
     return true;
 }
 
+/* The triangle in one lane of a group. */
+static inline bool probe_lane(const Probe *p, const TriangleGroup *group, int lane, Best *best)
+{
+    float corner[3][3];
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            corner[i][k] = group->vertex[i][p->axis[k]][lane];
+    return probe_triangle(p, (const float(*)[3])corner, group->primitive[lane], best);
+}
+
 /* The shape is asked for the whole ray, not up to the best hit: the answer must not depend on what
  * was met before. A t that rounds onto an end of the range is moved inside. */
 static inline bool probe_shape(const Ray *ray, const Probe *p, const Shape *shape,
@@ -191,10 +203,11 @@ static inline bool probe_corners(const Primitives *in, uint32_t triangle, float 
            || e[0][0] * e[1][1] != e[0][1] * e[1][0];
 }
 
-/* Writes the answer; what was missed is all zero but t and primitive. */
+/* Writes the answer; of a miss, t is the ray's end and u, v are 0. A weight of -0 becomes 0. */
 static inline bool best_to_hit(const Best *best, Hit *hit)
 {
-    *hit = (Hit){ .t = best->t, .u = best->u, .v = best->v, .primitive = best->primitive };
+    *hit = (Hit){ .t = best->t, .u = best->u + 0.0f, .v = best->v + 0.0f,
+                  .primitive = best->primitive };
     return best->primitive != RAY_MISS;
 }
 

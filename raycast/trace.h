@@ -2,14 +2,16 @@
 /* raycast/trace.h -- the walk through the tree, compiled once per instruction set.
  *
  * The file that includes this defines before:
- *   node_push      tests a node's boxes; writes the nearer end and the reference of those hit to
- *                  near[] and child[], far ones first, and returns how many; may write 8 of each
- *   group_filter   bits of the lanes of a group that probe_triangle may accept
+ *   node_push      tests a node's boxes; *next is the first child to visit or CHILD_NONE; writes the
+ *                  nearer end and the reference of the others that are hit to near[] and child[],
+ *                  far ones first, and returns how many; may write 8 of each
+ *   group_test     offers the triangles of a group to *best, as probe_triangle would each of them;
+ *                  whether one was taken
  * and KERNEL, the name of the table to make.
  */
 #include "raycast/probe.h"
 
-static inline bool leaf_trace(const Bvh *bvh, const Ray *ray, const Probe *p, uint32_t leaf,
+static inline __attribute__((always_inline)) bool leaf_trace(const Bvh *bvh, const Ray *ray, const Probe *p, uint32_t leaf,
                               bool any, Best *best)
 {
     if (child_is_shape(leaf)) {
@@ -20,14 +22,7 @@ static inline bool leaf_trace(const Bvh *bvh, const Ray *ray, const Probe *p, ui
     const TriangleGroup *end = group + child_group_count(leaf);
     bool found = false;
     for (; group < end; group++) {
-        for (unsigned lanes = group_filter(group, p); lanes != 0; lanes &= lanes - 1) {
-            const int lane = __builtin_ctz(lanes);
-            float corner[3][3];
-            for (int i = 0; i < 3; i++)
-                for (int k = 0; k < 3; k++)
-                    corner[i][k] = group->vertex[i][p->axis[k]][lane];
-            found |= probe_triangle(p, (const float(*)[3])corner, group->primitive[lane], best);
-        }
+        found |= group_test(group, p, best);
         if (any && found)
             return true;
     }
@@ -35,28 +30,26 @@ static inline bool leaf_trace(const Bvh *bvh, const Ray *ray, const Probe *p, ui
 }
 
 /* The nearest hit, or with `any` the first that turns up. */
-static inline Best tree_trace(const Bvh *bvh, const Ray *ray, bool any)
+static inline __attribute__((always_inline)) Best tree_trace(const Bvh *bvh, const Ray *ray, bool any)
 {
     Probe p;
     probe_init(&p, ray, bvh->lo, bvh->hi);
     Best best = best_none(ray->t_max);
     float near[BVH_STACK];
-    uint32_t child[BVH_STACK];
-    uint32_t top = node_push(&bvh->node[0], &p, best.t, near, child);
-    while (top > 0) {
-        top--;
+    uint32_t child[BVH_STACK], top = 0, c = 0;
+    for (;;) {
+        while (!child_is_leaf(c))
+            top += node_push(&bvh->node[c], &p, best.t, near + top, child + top, &c);
+        if (c != CHILD_NONE && leaf_trace(bvh, ray, &p, c, any, &best) && any)
+            return best;
         /* Not >=: an equally near hit of a smaller number may be in there. */
-        if (near[top] > best.t)
-            continue;
-        const uint32_t c = child[top];
-        if (!child_is_leaf(c)) {
-            top += node_push(&bvh->node[c], &p, best.t, near + top, child + top);
-            assert(top + NODE_WIDTH <= BVH_STACK);
-        } else if (leaf_trace(bvh, ray, &p, c, any, &best) && any) {
-            break;
-        }
+        do {
+            if (top == 0)
+                return best;
+            top--;
+        } while (near[top] > best.t);
+        c = child[top];
     }
-    return best;
 }
 
 static bool nearest_odd(const Bvh *bvh, const Ray *ray, Hit *hit);

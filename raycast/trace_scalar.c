@@ -7,7 +7,7 @@ static inline float smaller(float a, float b) { return a < b ? a : b; }
 static inline float larger(float a, float b) { return a > b ? a : b; }
 
 static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit, float *near,
-                                 uint32_t *child)
+                                 uint32_t *child, uint32_t *next)
 {
     uint32_t count = 0;
     for (unsigned i = 0; i < NODE_WIDTH; i++) {
@@ -24,16 +24,16 @@ static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit
         child[count] = node->child[slot];
         count += from <= to;
     }
-    return count;
+    *next = count > 0 ? child[count - 1] : CHILD_NONE;
+    return count > 0 ? count - 1 : 0;
 }
 
-static inline unsigned group_filter(const TriangleGroup *group, const Probe *p)
+static inline bool group_test(const TriangleGroup *group, const Probe *p, Best *best)
 {
-    (void)p;
-    unsigned lanes = 0;
-    for (unsigned i = 0; i < GROUP_WIDTH; i++)
-        lanes |= (unsigned)(group->primitive[i] != RAY_MISS) << i;
-    return lanes;
+    bool found = false;
+    for (int i = 0; i < (int)GROUP_WIDTH && group->primitive[i] != RAY_MISS; i++)
+        found |= probe_lane(p, group, i, best);
+    return found;
 }
 
 #include "raycast/trace.h"

@@ -10,7 +10,7 @@
 #include "raycast/group_sse.h"
 
 static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit, float *near,
-                                 uint32_t *child)
+                                 uint32_t *child, uint32_t *next)
 {
     float from[NODE_WIDTH];
     unsigned hits = 0;
@@ -34,7 +34,17 @@ static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit
         child[count] = node->child[slot];
         count += hits >> slot & 1;
     }
-    return count;
+    *next = count > 0 ? child[count - 1] : CHILD_NONE;
+    return count > 0 ? count - 1 : 0;
+}
+
+static inline bool group_test(const TriangleGroup *group, const Probe *p, Best *best)
+{
+    const Sheared s = group_shear(group, p);
+    bool found = false;
+    for (unsigned lanes = group_filter(group, &s); lanes != 0; lanes &= lanes - 1)
+        found |= probe_lane(p, group, __builtin_ctz(lanes), best);
+    return found;
 }
 
 #include "raycast/trace.h"
