@@ -89,7 +89,7 @@ static Rgb light_all(const Room *room, const Receiver *at)
         if (!(rgb_max(e) > 0))
             continue;
         const Ray ray = ray_between(at->point, at->normal, room->lights[i].position,
-                                    vec3(0, 0, 0), room->offset);
+                                    vec3(0, 0, 0), wave_offset(room, at->point));
         if (!bvh_blocked(room->bvh, &ray))
             sum = rgb_add(sum, e);
     }

@@ -3,8 +3,10 @@
 #include "render/wave.h"
 
 #include <assert.h>
+#include <float.h>
 
 #include "math/sampling.h"
+#include "math/tolerance.h"
 
 /* Purposes of the sequences drawn from one seed. */
 enum { SEED_LAMP = 1, SEED_LIGHT, SEED_DIRECTION, SEED_RAMP };
@@ -14,6 +16,14 @@ static uint32_t seed_of(uint32_t seed, uint32_t purpose, unsigned level)
     return sampling_mix(seed ^ (purpose + 16 * level) * 0x9e3779b9U);
 }
 
+/* The room's offset covers points inside its bounds; a free point or a camera's may lie far off,
+ * where float is coarser. */
+double wave_offset(const Room *room, Vec3 p)
+{
+    const double largest = fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z)));
+    return fmax(room->offset, ray_offset(largest));
+}
+
 static void add_to(Wave *wave, const WavePoint *point, unsigned level, Rgb irradiance)
 {
     Rgb *sum = level == 0 ? &wave->direct[point->root] : &wave->indirect[point->root];
@@ -21,6 +31,9 @@ static void add_to(Wave *wave, const WavePoint *point, unsigned level, Rgb irrad
 }
 
 /* --- lamps ----------------------------------------------------------------------------------- */
+
+/* A sum of WAVE_RAYS numbers in double less one of them is off by less than this share of it. */
+static const double SUM_RESIDUE = WAVE_RAYS * DBL_EPSILON;
 
 /* Fills wave->sample and wave->ray from `begin` lamp rays on; returns how many; entry e belongs to
  * point e / rays. */
@@ -42,14 +55,15 @@ static uint32_t aim_block(Wave *wave, unsigned level, uint32_t begin, uint32_t e
             continue;
         wave->owner[n] = e / rays;
         wave->ray[n] = ray_between(p->at.point, p->at.normal, s->point, s->normal,
-                                   g->room->offset);
+                                   wave_offset(g->room, p->at.point));
         n++;
     }
     return n;
 }
 
 /* Sums a block of lamp samples. Of sample i, lit or not (v), worth u, expected a:
- * v u + b (a - u), b the lit share of all other samples of the block. */
+ * v u + b (a - u), b the lit share of all other samples of the block; deeper levels, where a block
+ * may be a single sample, count the lit share of level 0 as one sample more. */
 static void add_block(Wave *wave, unsigned level, uint32_t n, uint32_t rays)
 {
     double lit = 0, all = 0;
@@ -58,17 +72,22 @@ static void add_block(Wave *wave, unsigned level, uint32_t n, uint32_t rays)
         all += y;
         lit += wave->blocked[i] ? 0 : y;
     }
+    const double prior = level > 0 && wave->lit_known ? all / n : 0;
     for (uint32_t i = 0; i < n; i++) {
         const LampSample *s = &wave->sample[i];
         const double y = rgb_luminance(s->value);
-        const double others = all - y;
-        const double others_lit = lit - (wave->blocked[i] ? 0 : y);
+        const double others = all - y + prior;
+        const double others_lit = lit - (wave->blocked[i] ? 0 : y) + prior * wave->lit_share;
         /* Rounding of the sums leaves a residue where the others are nothing. */
-        const double b = others > all * 1e-12 ? fmin(fmax(others_lit / others, 0), 1) : 0;
+        const double b = others > all * SUM_RESIDUE ? fmin(fmax(others_lit / others, 0), 1) : 0;
         Rgb          e = rgb_scale(rgb_mad(s->control, -1, s->value), b);
         if (!wave->blocked[i])
             e = rgb_add(e, s->value);
         add_to(wave, &wave->point[level][wave->owner[i]], level, rgb_scale(e, 1.0 / rays));
+    }
+    if (level == 0 && all > 0) {
+        wave->lit_share = lit / all;
+        wave->lit_known = true;
     }
 }
 
@@ -117,7 +136,7 @@ static double ramp(double distance, double cell)
 static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t end, uint32_t rays,
                        uint32_t seed)
 {
-    const double offset = wave->gatherer->room->offset;
+    const Room *room = wave->gatherer->room;
     for (uint32_t e = begin; e < end; e++) {
         const WavePoint *p = &wave->point[level][e / rays];
         float            u[2];
@@ -126,9 +145,10 @@ static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t end,
         const Vec3 c = sampling_cosine(u[0], u[1]), n = p->at.normal;
         vec3_frame(n, &s, &t);
         const Vec3 d = vec3_mad(vec3_mad(vec3_scale(n, c.z), c.x, s), c.y, t);
-        wave->ray[e - begin] = ray_leaving(p->at.point, n, offset, d, INFINITY);
+        wave->ray[e - begin] = ray_leaving(p->at.point, n, wave_offset(room, p->at.point), d,
+                                           INFINITY);
     }
-    bvh_nearest_many(wave->gatherer->room->bvh, wave->ray, wave->hit, end - begin);
+    bvh_nearest_many(room->bvh, wave->ray, wave->hit, end - begin);
     wave->rays += end - begin;
 }
 
@@ -192,6 +212,7 @@ void wave_gather(Wave *wave, uint32_t count, const WaveOptions *options)
 {
     assert(count <= WAVE_POINTS);
     assert(options->gather_rays > 0 && options->lamp_rays > 0);
+    wave->lit_known = false;
     for (uint32_t i = 0; i < count; i++) {
         wave->point[0][i].root = i;
         wave->point[0][i].weight = rgb(1, 1, 1);

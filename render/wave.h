@@ -58,11 +58,16 @@ typedef struct {
     bool      blocked[WAVE_RAYS];
     LampSample sample[WAVE_RAYS];
     uint32_t   owner[WAVE_RAYS];     /* of the ray: which point of the level */
+    double     lit_share;            /* of the last block of lamp rays of level 0 */
+    bool       lit_known;
 } Wave;
 
 /* Light at the first `count` <= WAVE_POINTS points of level 0 (filled by the caller: at, index) into
  * direct and indirect. */
 void wave_gather(Wave *wave, uint32_t count, const WaveOptions *options);
+
+/* How far rays that leave p are moved off their surface. */
+double wave_offset(const Room *room, Vec3 p);
 
 /* Reflected radiosity of the solution at a hit; 0 on sides that take no part. */
 Rgb wave_radiosity(const Gatherer *gatherer, const RoomHit *hit);

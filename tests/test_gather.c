@@ -461,7 +461,7 @@ static void mirror_and_pane(void **state)
     add_quad(&p, vec3(-5, -5, 9), vec3(0, 10, 0), vec3(10, 0, 0), grey(&p, 0, 2)); /* faces down */
     add_quad(&p, vec3(-1, -1, 7), vec3(0, 2, 0), vec3(2, 0, 0), g);
     place_finish(&p, 3, 30);
-    const Camera down = { .eye = { 0, 0, 5 }, .target = { 3, 0, 0 }, .up = { 0, 1, 0 },
+    const Camera down = { .eye = { 0, 0, 5 }, .target = { 1, 0, 0 }, .up = { 0, 1, 0 },
                           .vertical_fov = 1 };
     const Camera up = { .eye = { 0, 0, 5 }, .target = { 0, 0, 9 }, .up = { 0, 1, 0 },
                         .vertical_fov = 1 };
