@@ -9,6 +9,8 @@
 
 /* Points along each level axis of the room from which the ceiling is looked for. */
 #define GRID 9
+/* Steps of looking for the end of a ceiling. */
+#define STEPS 64
 
 /* What an office is lit with on the average [en12464-1]. */
 static const double wanted_lux = 500;
@@ -17,6 +19,8 @@ static const double utilisation = 0.5;
 /* Side of the lamp as a share of the room's lesser width; its distance from the ceiling as a share
  * of the room's height. */
 static const double lamp_share = 0.25, drop_share = 0.01;
+/* Widths are taken so many room heights below the ceiling. */
+static const double beside_ceiling = 0.1;
 
 /* The room as rays find it. */
 typedef struct {
@@ -26,25 +30,31 @@ typedef struct {
 
 static double along_up(const ViewBox *box, Vec3 p) { return box->sense * vec3_axis(p, box->up); }
 
-/* A place under a ceiling: the lamp's middle. Of the points of the grid under a ceiling, the one
- * nearest to the middle of the box; the grid is walked at several heights, lowest first, so that
- * the main room is meant, not the loft. */
+/* Whether p lies in the box, between a floor and a ceiling. */
+static bool roofed(const ViewBox *box, Vec3 p, double *below, double *above)
+{
+    const Vec3 up = viewbox_axis(box->up, box->sense);
+    const Vec3 inside = vec3_min(vec3_max(p, box->lo), box->hi);
+
+    if (vec3_length(vec3_sub(inside, p)) > 0)
+        return false;
+    *below = viewbox_sight(box, p, vec3_scale(up, -1));
+    *above = viewbox_sight(box, p, up);
+    return isfinite(*below) && isfinite(*above);
+}
+
+/* Of a grid of points all over the box, the one under a ceiling that is nearest to its middle. */
 static bool middle_find(const ViewBox *box, Vec3 *middle, double *below, double *above)
 {
-    const Vec3 up = viewbox_axis(box->up, box->sense), down = vec3_scale(up, -1);
-    double best = INFINITY;
+    double best = INFINITY, d, u;
 
     for (int k = 0; k < GRID; k++)
         for (int j = 0; j < GRID; j++)
             for (int i = 0; i < GRID; i++) {
-                const double a = (i + 0.5) / GRID, b = (j + 0.5) / GRID, h = (k + 0.5) / GRID;
-                const double off = (a - 0.5) * (a - 0.5) + (b - 0.5) * (b - 0.5)
-                                   + (h - 0.5) * (h - 0.5) / 4;
-                if (off >= best)
-                    continue;
-                const Vec3 p = viewbox_point(box, a, b, h);
-                const double d = viewbox_sight(box, p, down), u = viewbox_sight(box, p, up);
-                if (!isfinite(d) || !isfinite(u) ||
+                const Vec3 share = vec3((i + 0.5) / GRID, (j + 0.5) / GRID, (k + 0.5) / GRID);
+                const Vec3 p = viewbox_point(box, share.x, share.y, share.z);
+                const double off = vec3_length(vec3_sub(share, vec3(0.5, 0.5, 0.5)));
+                if (off >= best || !roofed(box, p, &d, &u) ||
                     d + u < viewbox_extent(box, box->up) / GRID)
                     continue;
                 best = off;
@@ -55,35 +65,79 @@ static bool middle_find(const ViewBox *box, Vec3 *middle, double *below, double 
     return isfinite(best);
 }
 
-/* How far the room reaches from p along an axis, both ways, no further than the box. */
-static void reach(const ViewBox *box, Vec3 p, int axis, double *lo, double *hi)
+/* A point of the room that a viewer sees: where the first camera stands, or the default one. */
+static bool start_find(const ViewBox *box, const Scene *scene, Vec3 *p, double *below,
+                       double *above)
 {
-    const double at = vec3_axis(p, axis);
+    Camera camera;
 
-    *lo = fmax(at - viewbox_sight(box, p, viewbox_axis(axis, -1)), vec3_axis(box->lo, axis));
-    *hi = fmin(at + viewbox_sight(box, p, viewbox_axis(axis, 1)), vec3_axis(box->hi, axis));
+    if (scene->camera_count > 0) {
+        *p = scene->cameras[0].eye;
+        if (roofed(box, *p, below, above))
+            return true;
+    }
+    view_choose(box, &camera);
+    *p = camera.eye;
+    return roofed(box, *p, below, above) || middle_find(box, p, below, above);
 }
 
-static Room room_find(const ViewBox *box)
+/* How far the room reaches from p along the unit vector d: to the next wall, but not past the end
+ * of the ceiling (`above` p; INFINITY: there is none), as a window may reach up to it, nor past
+ * the box. Beams and lamps may hang lower. */
+static double reach(const ViewBox *box, Vec3 p, Vec3 d, double above, double height)
 {
     const Vec3 up = viewbox_axis(box->up, box->sense);
+    const Vec3 room = vec3_min(vec3_max(vec3_mad(p, box->diagonal, d), box->lo), box->hi);
+    const double wall = fmin(viewbox_sight(box, p, d), fabs(vec3_dot(vec3_sub(room, p), d)));
+
+    for (int i = 1; i < STEPS && isfinite(above); i++) {
+        const double along = wall * i / STEPS;
+        if (viewbox_sight(box, vec3_mad(p, along, d), up) > above + height / 2)
+            return along;
+    }
+    return wall;
+}
+
+/* The room's two ends along a level axis. */
+static void width_find(const ViewBox *box, Vec3 p, int axis, double above, double height,
+                       double *lo, double *hi)
+{
+    *lo = vec3_axis(p, axis) - reach(box, p, viewbox_axis(axis, -1), above, height);
+    *hi = vec3_axis(p, axis) + reach(box, p, viewbox_axis(axis, 1), above, height);
+}
+
+static double middle(double a, double b) { return (a + b) / 2; }
+
+/* Widths are taken near the ceiling, where no furniture stands and where the lamp will hang; a
+ * second time from the middle that the first look found. */
+static Room room_find(const ViewBox *box, const Scene *scene)
+{
     const double ends[2] = { along_up(box, box->lo), along_up(box, box->hi) };
     Room room = { .floor = fmin(ends[0], ends[1]), .ceiling = fmax(ends[0], ends[1]) };
     Vec3 p = vec3_lerp(box->lo, box->hi, 0.5);
     double below = 0, above = 0;
+    bool covered = start_find(box, scene, &p, &below, &above);
 
-    if (middle_find(box, &p, &below, &above)) {
-        room.floor = along_up(box, p) - below;
-        room.ceiling = along_up(box, p) + above;
-        /* Widths near the ceiling, where no furniture stands; lamps hang there free of it. */
-        p = vec3_mad(p, above - 0.1 * (above + below), up);
+    for (int look = 0; look < 2; look++) {
+        if (covered) {
+            room.floor = along_up(box, p) - below;
+            room.ceiling = along_up(box, p) + above;
+            p = vec3_mad(p, above - beside_ceiling * (above + below),
+                         viewbox_axis(box->up, box->sense));
+        }
+        const double height = room.ceiling - room.floor;
+        const double roof = covered ? beside_ceiling * height : INFINITY;
+        width_find(box, p, box->a, roof, height, &room.a0, &room.a1);
+        width_find(box, p, box->b, roof, height, &room.b0, &room.b1);
+        const Vec3 a = viewbox_axis(box->a, middle(room.a0, room.a1) - vec3_axis(p, box->a));
+        const Vec3 b = viewbox_axis(box->b, middle(room.b0, room.b1) - vec3_axis(p, box->b));
+        p = vec3_add(p, vec3_add(a, b));
+        covered = covered && roofed(box, p, &below, &above);
     }
-    reach(box, p, box->a, &room.a0, &room.a1);
-    reach(box, p, box->b, &room.b0, &room.b1);
     return room;
 }
 
-/* Radiance of a diffuse lamp: flux = pi L A_lamp, and the floor gets flux * utilisation / A_floor. */
+/* Radiance of a diffuse lamp: flux = pi L A_lamp; the floor gets flux * utilisation / A_floor. */
 static double lamp_radiance(double lamp_area, double floor_area)
 {
     return wanted_lux * floor_area / (utilisation * M_PI * lamp_area);
@@ -91,7 +145,7 @@ static double lamp_radiance(double lamp_area, double floor_area)
 
 static bool lamp_add(Scene *scene, const ViewBox *box, const Room *room, double side, Error *err)
 {
-    const double half = side / 2, a = (room->a0 + room->a1) / 2, b = (room->b0 + room->b1) / 2;
+    const double half = side / 2, a = middle(room->a0, room->a1), b = middle(room->b0, room->b1);
     const double floor_area = (room->a1 - room->a0) * (room->b1 - room->b0);
     const double level = room->ceiling - drop_share * (room->ceiling - room->floor);
     const double l = lamp_radiance(side * side, floor_area);
@@ -117,17 +171,32 @@ static bool lamp_add(Scene *scene, const ViewBox *box, const Room *room, double 
            polygons_add_polygon(&scene->polygons, corner, 4, material, group, err);
 }
 
+static bool light_hang(Scene *scene, const ViewBox *box, Error *err)
+{
+    const Room room = room_find(box, scene);
+    const double side = lamp_share * fmin(room.a1 - room.a0, room.b1 - room.b0);
+
+    if (!(side > 0) || !isfinite(side))
+        return error_at(err, ERROR_INPUT, scene->file, 0,
+                        "is flat: there is no room to hang a ceiling light in");
+    return lamp_add(scene, box, &room, side, err);
+}
+
+bool ceiling_light_hang(Scene *scene, const Surfaces *surfaces, const Bvh *bvh, Error *err)
+{
+    assert(scene != NULL && surfaces != NULL && bvh != NULL && err != NULL);
+    if (error_is_set(err))
+        return false;
+    ViewBox box = viewbox_make(bvh, surfaces->lo, surfaces->hi, scene->up);
+    box.surfaces = surfaces;
+    return light_hang(scene, &box, err);
+}
+
 bool ceiling_light_add(Scene *scene, const Bvh *bvh, Vec3 lo, Vec3 hi, Error *err)
 {
     assert(scene != NULL && bvh != NULL && err != NULL);
     if (error_is_set(err))
         return false;
     const ViewBox box = viewbox_make(bvh, lo, hi, scene->up);
-    const Room room = room_find(&box);
-    const double side = lamp_share * fmin(room.a1 - room.a0, room.b1 - room.b0);
-
-    if (!(side > 0) || !isfinite(side))
-        return error_at(err, ERROR_INPUT, scene->file, 0,
-                        "is flat: there is no room to hang a ceiling light in");
-    return lamp_add(scene, &box, &room, side, err);
+    return light_hang(scene, &box, err);
 }

@@ -3,14 +3,19 @@
 #ifndef SCENES_CEILING_LIGHT_H
 #define SCENES_CEILING_LIGHT_H
 
+#include "mesh/surfaces.h"
 #include "raycast/bvh.h"
 #include "scenes/scene.h"
 
-/* Hangs a flat square lamp just under the ceiling over the middle of the room: group and material
- * "ceiling-light", shining down, strong enough for about 500 lux on the floor. The ceiling is found
- * by rays upward; a scene without one gets the lamp at the top of its box.
- * hits come from `bvh`, built over the scene's geometry; lo, hi are its bounds.
+/* Hangs a flat square lamp just under the ceiling, in the middle of the room that the scene's first
+ * camera stands in, else of the room that view_of_surfaces shows: group and material
+ * "ceiling-light", shining down, strong enough for about 500 lux on the floor. A scene without a
+ * ceiling gets the lamp at the top of its box.
+ * hits come from `bvh`, built over `surfaces`, which were made from the scene.
  * fails  false and ERROR_MEMORY; ERROR_INPUT when the scene has no extent. */
+bool ceiling_light_hang(Scene *scene, const Surfaces *surfaces, const Bvh *bvh, Error *err);
+
+/* The same without knowing fronts from backs; lo, hi are the scene's bounds. */
 bool ceiling_light_add(Scene *scene, const Bvh *bvh, Vec3 lo, Vec3 hi, Error *err);
 
 #endif

@@ -24,7 +24,7 @@
 /* Greatest JSON that is read. */
 static const size_t gltf_json_limit = (size_t)256 << 20;
 
-/* --- JSON (gltf_json.c: the only file that knows the JSON library) ----------------------------- */
+/* --- JSON (gltf_json.c: the only file that knows the JSON library) ---------------------------- */
 
 typedef struct json_t Json;
 
@@ -70,7 +70,7 @@ void        gltf_text_free(char *text);
 bool        gltf_error(const GltfContext *c, const char *where, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* --- the container (gltf_glb.c) ----------------------------------------------------------------- */
+/* --- the container (gltf_glb.c) --------------------------------------------------------------- */
 
 typedef struct {
     const char    *json;       /* in the file's bytes; not ended by a 0 */
@@ -86,7 +86,7 @@ bool gltf_split(const char *path, const uint8_t *bytes, size_t size, GltfParts *
 uint8_t *gltf_join(const GltfParts *parts, const char *json, size_t json_size, size_t *size,
                    Error *err);
 
-/* --- what the file says (gltf_read.c and others) ------------------------------------------------ */
+/* --- what the file says (gltf_read.c and others) ---------------------------------------------- */
 
 typedef struct {
     char   name[128];      /* its own, else its mesh's */

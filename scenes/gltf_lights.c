@@ -10,7 +10,7 @@
 
 static const double degrees_per_radian = 57.295779513082320877;
 
-/* --- lights (KHR_lights_punctual) -------------------------------------------------------------- */
+/* --- lights (KHR_lights_punctual) ------------------------------------------------------------- */
 
 static bool spot_read(const GltfContext *c, const Json *json, const char *where, Light *light)
 {
@@ -80,7 +80,7 @@ bool gltf_read_lights(const GltfContext *c, const Json *root, Gltf *gltf)
     return !error_is_set(c->err);
 }
 
-/* --- cameras ----------------------------------------------------------------------------------- */
+/* --- cameras ---------------------------------------------------------------------------------- */
 
 static bool camera_read(const GltfContext *c, const Json *json, const char *where, Camera *camera,
                         bool *known)

@@ -12,7 +12,7 @@ enum { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6, MODE_COUNT = 7 };
 
 #define COMPONENT_FLOAT 5126
 
-/* --- what the file demands --------------------------------------------------------------------- */
+/* --- what the file demands -------------------------------------------------------------------- */
 
 /* Extensions without which a file may be read all the same: they change no triangle. */
 static bool extension_known(const char *name)
@@ -48,7 +48,7 @@ static bool demands_check(const GltfContext *c, const Json *root)
     return true;
 }
 
-/* --- meshes ------------------------------------------------------------------------------------ */
+/* --- meshes ----------------------------------------------------------------------------------- */
 
 /* Entries of the accessor that `key` names; 0 when there is none. */
 static uint64_t accessor_count(const GltfContext *c, const Json *accessors, const Json *object,
@@ -117,7 +117,7 @@ bool gltf_read_meshes(const GltfContext *c, const Json *root, Gltf *gltf)
     return !error_is_set(c->err);
 }
 
-/* --- the whole --------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 Gltf *gltf_read(const char *path, const char *json, size_t size, const Monitor *monitor,
                 Error *err)

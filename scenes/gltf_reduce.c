@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The JSON that assimp gets: nodes that have a mesh, side by side, with what their triangles need. */
+/* The JSON that assimp gets: nodes with a mesh, side by side, and what their triangles need. */
 #include <assert.h>
 #include <stdarg.h>
 #include <stdio.h>

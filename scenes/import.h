@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* scenes/import.h -- what the parts of the reader of foreign files share; this folder and its tests.
+/* scenes/import.h -- what the parts of the reader of foreign files share; this folder and tests.
  *
  * OBJ is read here, line by line, so that an error names its line and vertices stay as they are in
  * the file; all other formats pass through assimp in a child process, which hands what it found

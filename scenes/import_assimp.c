@@ -33,7 +33,7 @@ typedef struct {
     uint64_t              loose;         /* points and lines */
 } Import;
 
-/* --- files for assimp -------------------------------------------------------------------------- */
+/* --- files for assimp ------------------------------------------------------------------------- */
 
 typedef struct {
     ImportFiles *files;
@@ -110,7 +110,7 @@ static void stream_close(struct aiFileIO *io, struct aiFile *file)
     array_free(file);
 }
 
-/* --- materials --------------------------------------------------------------------------------- */
+/* --- materials -------------------------------------------------------------------------------- */
 
 static Rgb color_get(const struct aiMaterial *m, const char *key, Rgb fallback)
 {
@@ -184,7 +184,7 @@ static bool materials_send(Import *import)
     return true;
 }
 
-/* --- parts ------------------------------------------------------------------------------------- */
+/* --- parts ------------------------------------------------------------------------------------ */
 
 static Affine affine_get(const struct aiMatrix4x4 *m)
 {
@@ -263,7 +263,7 @@ static bool mesh_send(Import *import, const struct aiMesh *mesh, const Affine *w
     return !import->out->broken;
 }
 
-/* --- nodes ------------------------------------------------------------------------------------- */
+/* --- nodes ------------------------------------------------------------------------------------ */
 
 /* Names in angle brackets are assimp's own. */
 static const char *group_name(const struct aiNode *node, const struct aiMesh *mesh)
@@ -315,7 +315,7 @@ static bool node_find(const struct aiNode *node, const char *name, const Affine 
     return false;
 }
 
-/* --- lights and cameras of other formats ------------------------------------------------------- */
+/* --- lights and cameras of other formats ------------------------------------------------------ */
 
 static void camera_send(Import *import, const struct aiCamera *from)
 {
@@ -377,7 +377,7 @@ static void light_send(Import *import, const struct aiLight *from)
     pipe_put_light(import->out, &light);
 }
 
-/* --- the whole --------------------------------------------------------------------------------- */
+/* --- the whole -------------------------------------------------------------------------------- */
 
 static void warning_pass(void *user, const char *code, const char *where, const char *text)
 {

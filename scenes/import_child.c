@@ -30,7 +30,7 @@
 /* The pipe's end in the child: the lowest number after the three standard ones. */
 #define CHILD_PIPE 3
 
-/* --- in the child ------------------------------------------------------------------------------ */
+/* --- in the child ----------------------------------------------------------------------------- */
 
 /* Address space that the process has already: the limit counts it. */
 static uint64_t memory_mapped(void)
@@ -115,7 +115,7 @@ static _Noreturn void child_main(const ImportChild *child, ImportWork work, cons
     _exit(0);
 }
 
-/* --- in the parent ----------------------------------------------------------------------------- */
+/* --- in the parent ---------------------------------------------------------------------------- */
 
 /* A pipe whose ends are not the standard files, even in a program that closed those. */
 static bool pipe_open(int ends[2])

@@ -176,7 +176,8 @@ void text_rest(const char *line, char *rest, size_t size)
 
     while (is_space(*line))
         line++;
-    while (line[length] != 0 && !(line[length] == '#' && (length == 0 || is_space(line[length - 1]))))
+    while (line[length] != 0 &&
+           !(line[length] == '#' && (length == 0 || is_space(line[length - 1]))))
         length++;
     while (length > 0 && is_space(line[length - 1]))
         length--;

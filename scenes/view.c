@@ -96,7 +96,7 @@ double viewbox_sight(const ViewBox *box, Vec3 p, Vec3 d)
     return bvh_nearest(box->bvh, &ray, &hit) ? (double)hit.t : INFINITY;
 }
 
-/* --- an open side ------------------------------------------------------------------------------ */
+/* --- an open side ----------------------------------------------------------------------------- */
 
 /* A level side of the box: axis and which end of it. */
 typedef struct {
@@ -174,7 +174,7 @@ static void view_through(const ViewBox *box, Side side, Camera *camera)
     camera->vertical_fov = open_fov;
 }
 
-/* --- from outside ------------------------------------------------------------------------------ */
+/* --- from outside ----------------------------------------------------------------------------- */
 
 /* Slantwise from above, so far that the ball around the box fits the picture. */
 static void view_outside(const ViewBox *box, Camera *camera)
@@ -189,8 +189,9 @@ static void view_outside(const ViewBox *box, Camera *camera)
     camera->vertical_fov = outside_fov;
 }
 
-static void view_choose(const ViewBox *box, Camera *camera)
+void view_choose(const ViewBox *box, Camera *camera)
 {
+    assert(box != NULL && camera != NULL);
     Side side = { box->a, box->b, 1 };
 
     *camera = (Camera){ .up = viewbox_axis(box->up, box->sense) };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* scenes/view.h -- a camera for a scene that has none: inside the room, or through its open side. */
+/* scenes/view.h -- a camera for a scene without one: in the room, or before its open side. */
 #ifndef SCENES_VIEW_H
 #define SCENES_VIEW_H
 
@@ -7,11 +7,11 @@
 #include "raycast/bvh.h"
 #include "scenes/scene.h"
 
-/* Makes a camera that shows the room. When the scene's bounds are open towards one horizontal side
- * (most rays sent in from there, all over that face of the box, reach deep) the eye stands before it
- * and sees the whole opening; otherwise it stands inside in free air near a corner at eye height and
- * looks at the far end, chosen among candidates by how much and how far it sees. `up` as the scene's.
- * hits come from `bvh`, built over the scene's geometry. */
+/* Makes a camera that shows the room. When the scene's bounds are open towards one level side (most
+ * rays sent in from there, all over that face of the box, reach deep) the eye stands before it and
+ * sees the whole opening; otherwise it stands inside in free air at eye height, where it sees far
+ * and much. What is no room at all is seen from outside. `up` as the scene's.
+ * hits come from `bvh`, built over the scene's geometry; lo, hi are its bounds. */
 void view_default(const Scene *scene, const Bvh *bvh, Vec3 lo, Vec3 hi, Camera *camera);
 
 /* The same, knowing the surfaces that `bvh` was built over: places that see fronts are preferred to
