@@ -44,12 +44,12 @@ typedef struct {
     Vec3     *centre;      /* [count]  on the surface */
     Vec3     *normal;      /* [count]  unit, at the centre, out of the patch's side */
     uint32_t *first_corner;/* [count + 1] */
-    uint32_t *corner;      /* [first_corner[count]]  vertices, counter-clockwise seen from the side */
+    uint32_t *corner;      /* [first_corner[count]]  vertices, counter-clockwise from its side */
     uint32_t  vertex_count;
     Vec3     *position;    /* [vertex_count] */
     /* per surface */
     uint32_t  surface_count;
-    uint32_t *first[2];    /* [surface_count]  first patch of front / back, PATCH_NONE: unused side */
+    uint32_t *first[2];    /* [surface_count]  first patch of front / back; PATCH_NONE: unused */
     uint16_t *nu, *nv;     /* [surface_count]  divisions; triangles: nu = nv */
     /* vertices of the grid of side k: grid_vertex[grid_first[k][surface] + j * (nu + 1) + i] for
      * quads and shapes; triangles use the lower left half of an (n+1) x (n+1) grid, the rest is
@@ -89,8 +89,8 @@ void patches_point(const Patches *patches, const Surfaces *surfaces, uint32_t pa
 int patches_interpolate(const Patches *patches, const Surfaces *surfaces, uint32_t surface,
                         unsigned side, double s, double t, uint32_t vertex[4], double weight[4]);
 
-/* Invariants: areas positive, sum over sides = area of the surface's sides in use, indices in range,
- * each patch found again by patches_at at its centre, polygons closed. */
+/* Invariants: areas positive, sum over sides = area of the surface's sides in use, indices in
+ * range, each patch found again by patches_at at its centre, polygons closed. */
 bool patches_check(const Patches *patches, const Surfaces *surfaces);
 
 #endif

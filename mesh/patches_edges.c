@@ -35,7 +35,7 @@ static void fill_uses(PatchBuilder *b)
     }
 }
 
-/* --- mates --------------------------------------------------------------------------------------- */
+/* --- mates ------------------------------------------------------------------------------------ */
 
 /* Front normal of the triangle that has edge k. */
 static Vec3 use_normal(const Surfaces *s, uint32_t use)
@@ -92,7 +92,7 @@ uint32_t patches_edge_owner(const PatchBuilder *b, uint32_t use, unsigned side)
     return patches_side_used(b, other / 4, other_side) && other_node < node ? other_node : node;
 }
 
-/* --- points -------------------------------------------------------------------------------------- */
+/* --- points ----------------------------------------------------------------------------------- */
 
 static int fraction_compare(const void *a, const void *b)
 {

@@ -4,10 +4,11 @@
  * A use is edge k of surface i: 4 * i + k, from corner k to the next. A node is one side of a use
  * or of a corner: 2 * (4 * i + k) + side.
  *
- * What later divisions need from here: the points of an edge are any rising list of fractions, not
- * only k / n, and polygons take whatever lies on their edges; a surface whose sides are divided by a
- * quadtree only has to bring its own fractions and its own patches_at. Patches made of many small
- * triangles keep `surface` as their first triangle and share grid vertices through the corner nodes.
+ * What later divisions need from here: the points of an edge are any rising list of fractions,
+ * not only k / n, and polygons take whatever lies on their edges; a surface divided by a quadtree
+ * only has to bring its own fractions and its own patches_at. A patch made of many small triangles
+ * would keep `surface` as its first triangle, several surfaces' `first` would name it, and their
+ * corner nodes already share vertices.
  */
 #ifndef MESH_PATCHES_INTERNAL_H
 #define MESH_PATCHES_INTERNAL_H
@@ -29,7 +30,7 @@ typedef struct {
     double         *fraction;     /* [point_first[edges.count]]  rising, from the smaller vertex */
     uint32_t       *parent;       /* [8 * surfaces]  union-find over corner nodes */
     uint32_t       *corner_vertex;/* [8 * surfaces]  of a corner node that is a root */
-    uint32_t       *run;          /* [8 * surfaces]  of a use node: first vertex of its edge points */
+    uint32_t       *run;          /* [8 * surfaces]  of a use node: first of its edge points */
     size_t          fraction_capacity, position_capacity, corner_capacity;
 } PatchBuilder;
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Corners of every patch: its cell's grid points, and on the surface's edges all that lies between. */
+/* Corners of every patch: its cell's grid points, and what lies between on the surface's edges. */
 #include <assert.h>
 
 #include "base/array.h"

@@ -10,7 +10,7 @@
  * and at i = 2^16 a double is off by 2^-36 after the two roundings. */
 static const double CELL_MARGIN = 0x1p-32;
 
-/* Row of a triangle's grid that patch `index` lies in: the largest j with n^2 - (n-j)^2 <= index. */
+/* Row of a triangle's grid that patch `index` lies in: largest j with n^2 - (n-j)^2 <= index. */
 static uint32_t triangle_row(uint32_t n, uint32_t index)
 {
     const uint64_t rest = (uint64_t)n * n - index; /* (n-j)^2 >= rest */

@@ -5,7 +5,7 @@
 #include "base/array.h"
 #include "mesh/patches_internal.h"
 
-/* --- corners that are one vertex --------------------------------------------------------------- */
+/* --- corners that are one vertex -------------------------------------------------------------- */
 
 static uint32_t node_root(uint32_t *parent, uint32_t i)
 {
@@ -52,7 +52,7 @@ static void unite_corners(PatchBuilder *b)
     }
 }
 
-/* --- making vertices ----------------------------------------------------------------------------- */
+/* --- making vertices -------------------------------------------------------------------------- */
 
 static bool reserve_vertices(PatchBuilder *b, uint32_t more)
 {
@@ -103,7 +103,7 @@ static bool make_run(PatchBuilder *b, uint32_t use, unsigned side, uint32_t *run
     return true;
 }
 
-/* --- grids --------------------------------------------------------------------------------------- */
+/* --- grids ------------------------------------------------------------------------------------ */
 
 typedef struct {
     uint32_t *vertex;   /* [(nu + 1) * (nv + 1)] */

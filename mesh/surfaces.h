@@ -44,11 +44,12 @@ typedef struct {
 /* What was found and done while connecting; all are counts. */
 typedef struct {
     uint32_t welded;        /* vertices that fell together with an earlier one */
-    uint32_t duplicate;     /* faces equal to an earlier one in corners, whatever the winding: left out */
+    uint32_t duplicate;     /* faces with the corners of an earlier one, in any winding: left out */
     uint32_t degenerate;    /* triangles without area: left out */
-    uint32_t nonmanifold;   /* faces whose edge has two faces already: kept, vertices of their own */
-    uint32_t flipped;       /* faces turned round to agree with their neighbours */
-    uint32_t refused;       /* faces the half-edge mesh would not take for other reasons: kept apart */
+    uint32_t nonmanifold;   /* triangles at an edge that has two already: kept, linked at most to
+                               others of that edge */
+    uint32_t flipped;       /* faces turned round to agree with their neighbours: none so far */
+    uint32_t refused;       /* triangles the half-edge mesh would not take still: kept, unlinked */
 } Repairs;
 
 typedef struct {

@@ -36,7 +36,7 @@ static void sets_clear(VertexSets *sets)
     *sets = (VertexSets){ 0 };
 }
 
-/* Adds n vertices in any order; false when the same set is there already. `sorted` is room for n. */
+/* Adds n vertices in any order; false when the same set is there. `sorted` is room for n. */
 static bool sets_add(VertexSets *sets, const uint32_t *vertex, uint32_t n, uint64_t *sorted)
 {
     for (uint32_t i = 0; i < n; i++)

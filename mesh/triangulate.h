@@ -2,8 +2,8 @@
 /* mesh/triangulate.h -- a polygon cut into triangles that fill it exactly.
  *
  * Concave polygons, any number of corners, holes joined to the outline by a bridge (its two corners
- * then come twice), corners in line, corners a little off the plane: all are cut along the polygon's
- * own corners, so neighbours still share whole edges. This folder only.
+ * then come twice), corners in line, corners a little off the plane: all are cut from corner to
+ * corner, so neighbours still share whole edges. This folder only.
  * Method   ear clipping [meisters75] in the plane of Newell's normal, fattest ear first.
  */
 #ifndef MESH_TRIANGULATE_H

@@ -1,272 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Patches: exact areas, no crack, lookup and sampling agree, counts as wanted. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#include "base/array.h"
-#include "math/tolerance.h"
-#include "mesh/patches.h"
-
-/* --- scenes -------------------------------------------------------------------------------------- */
-
-static void soup_start(Polygons *soup)
-{
-    Error err = { 0 };
-    const Material material = material_default();
-    uint32_t index;
-    *soup = (Polygons){ 0 };
-    for (int i = 0; i < 2; i++)
-        assert_true(polygons_add_material(soup, &material, &index, &err));
-    assert_true(polygons_add_group(soup, "a", &index, &err));
-}
-
-static void soup_polygon(Polygons *soup, const Vec3 *p, size_t n, uint32_t material)
-{
-    Error err = { 0 };
-    uint32_t corner[8];
-    assert_true(n <= 8);
-    for (size_t i = 0; i < n; i++)
-        assert_true(polygons_add_vertex(soup, p[i], &corner[i], &err));
-    assert_true(polygons_add_polygon(soup, corner, n, material, 0, &err));
-}
-
-static void soup_shape(Polygons *soup, ShapeKind kind, double ratio, const Affine *map)
-{
-    Error err = { 0 };
-    Shape shape;
-    assert_true(shape_init(&shape, kind, ratio, map, &err));
-    assert_true(polygons_add_shape(soup, &shape, 0, 0, &err));
-}
-
-/* A hexahedron with the corners p, wound outwards; bit f of `cut`: face f as two triangles. Corners
- * off a parallelepiped make trapezoids and bent quads. */
-static void soup_block(Polygons *soup, const Vec3 p[8], unsigned cut)
-{
-    static const int face[6][4] = { { 0, 3, 2, 1 }, { 4, 5, 6, 7 }, { 0, 1, 5, 4 },
-                                    { 1, 2, 6, 5 }, { 2, 3, 7, 6 }, { 3, 0, 4, 7 } };
-    for (int f = 0; f < 6; f++) {
-        const Vec3 a = p[face[f][0]], b = p[face[f][1]], c = p[face[f][2]], d = p[face[f][3]];
-        if (cut >> f & 1) {
-            soup_polygon(soup, (Vec3[]){ a, b, c }, 3, 0);
-            soup_polygon(soup, (Vec3[]){ c, d, a }, 3, 0);
-        } else {
-            soup_polygon(soup, (Vec3[]){ a, b, c, d }, 4, 0);
-        }
-    }
-}
-
-static const Vec3 cube[8] = { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0 }, { 0, 1, 0 },
-                              { 0, 0, 1 }, { 1, 0, 1 }, { 1, 1, 1 }, { 0, 1, 1 } };
-static const Vec3 skew[8] = { { 0, 0, 0 }, { 3, 0, 0 }, { 1.5, 1, 0.2 }, { 0, 1, 0 },
-                              { 0, 0, 1 }, { 1, 0, 1.1 }, { 1.3, 1.2, 1 }, { 0, 2.2, 1.4 } };
-
-typedef struct {
-    Polygons  soup;
-    Surfaces *surfaces;
-    Patches  *patches;
-} Mesh;
-
-static void mesh_make(Mesh *m, const PatchOptions *options)
-{
-    Error err = { 0 };
-    m->surfaces = surfaces_create(&m->soup, NULL, &err);
-    assert_non_null(m->surfaces);
-    m->patches = patches_create(m->surfaces, options, NULL, &err);
-    assert_int_equal(err.code, ERROR_NONE);
-    assert_true(surfaces_check(m->surfaces));
-    assert_true(patches_check(m->patches, m->surfaces));
-}
-
-static void mesh_clear(Mesh *m)
-{
-    patches_destroy(m->patches);
-    surfaces_destroy(m->surfaces);
-    polygons_clear(&m->soup);
-}
-
-/* All kinds in one: a skewed block with cut faces, a triangle, shapes. */
-static void mesh_of_everything(Mesh *m, double size)
-{
-    soup_start(&m->soup);
-    soup_block(&m->soup, skew, 1u << 0 | 1u << 3);
-    soup_polygon(&m->soup, (Vec3[]){ { 5, 0, 0 }, { 9, 0, 1 }, { 5, 3, 0 } }, 3, 1);
-    const Affine stretched = { { 1, 0.2, 0 }, { 0, 2, 0 }, { 0, 0.3, 0.7 }, { 20, 0, 0 } };
-    soup_shape(&m->soup, SHAPE_SPHERE, 1, &stretched);
-    soup_shape(&m->soup, SHAPE_DISC, 1, &stretched);
-    soup_shape(&m->soup, SHAPE_FRUSTUM, 0, &stretched);
-    soup_shape(&m->soup, SHAPE_FRUSTUM, 0.5, &stretched);
-    soup_shape(&m->soup, SHAPE_TORUS, 0.3, &stretched);
-    const Affine mirrored = { { 1, 0.2, 0 }, { 0, 2, 0 }, { 0, 0.3, -0.7 }, { -20, 0, 0 } };
-    soup_shape(&m->soup, SHAPE_SPHERE, 1, &mirrored);
-    soup_shape(&m->soup, SHAPE_DISC, 1, &mirrored);
-    soup_shape(&m->soup, SHAPE_FRUSTUM, 2, &mirrored);
-    soup_shape(&m->soup, SHAPE_TORUS, 0.3, &mirrored);
-    mesh_make(m, &(PatchOptions){ .size = size });
-}
+/* Patches: exact areas, lookup and sampling agree, interpolation, counts as wanted. */
+#include "tests/soup_tools.h"
 
 /* Numbers in [0, 1) that need no library: the additive recurrence with the golden ratio's kin. */
 static double spread(uint32_t i, double step) { return fmod(0.5 + i * step, 1.0); }
 
-/* --- cracks -------------------------------------------------------------------------------------- */
-
-typedef struct {
-    Vec3 from, to;
-} DirectedEdge;
-
-static int edge_compare(const void *a, const void *b) { return memcmp(a, b, sizeof(DirectedEdge)); }
-
-/* Zero has two signs, which memcmp tells apart. */
-static Vec3 plus_zero(Vec3 p) { return vec3(p.x + 0.0, p.y + 0.0, p.z + 0.0); }
-
-/* Every directed edge of the front's patches is there once, and once in the other direction. */
-static size_t check_closed(const Patches *p)
-{
-    const size_t corners = p->first_corner[p->count];
-    DirectedEdge *edge = calloc(corners, sizeof *edge);
-    assert_non_null(edge);
-    size_t n = 0;
-    for (uint32_t i = 0; i < p->count; i++)
-        for (uint32_t k = p->first_corner[i]; p->side[i] == 0 && k < p->first_corner[i + 1]; k++) {
-            const uint32_t next = k + 1 < p->first_corner[i + 1] ? k + 1 : p->first_corner[i];
-            edge[n].from = plus_zero(p->position[p->corner[k]]);
-            edge[n++].to = plus_zero(p->position[p->corner[next]]);
-        }
-    qsort(edge, n, sizeof *edge, edge_compare);
-    for (size_t i = 0; i < n; i++) {
-        const DirectedEdge back = { edge[i].to, edge[i].from };
-        assert_non_null(bsearch(&back, edge, n, sizeof *edge, edge_compare));
-        assert_true(i == 0 || edge_compare(&edge[i - 1], &edge[i]) != 0);
-    }
-    free(edge);
-    return n;
-}
-
-static int point_compare(const void *a, const void *b) { return memcmp(a, b, sizeof(Vec3)); }
-
-/* Different positions among the front's corners. */
-static size_t count_points(const Patches *p)
-{
-    Vec3 *point = calloc(p->first_corner[p->count], sizeof *point);
-    assert_non_null(point);
-    size_t n = 0, different = 0;
-    for (uint32_t i = 0; i < p->count; i++)
-        for (uint32_t k = p->first_corner[i]; p->side[i] == 0 && k < p->first_corner[i + 1]; k++)
-            point[n++] = plus_zero(p->position[p->corner[k]]);
-    qsort(point, n, sizeof *point, point_compare);
-    for (size_t i = 0; i < n; i++)
-        different += i == 0 || point_compare(&point[i - 1], &point[i]) != 0;
-    free(point);
-    return different;
-}
-
-/* V - E + F = 2, by position. The triangles' divisions differ from the quads', so there are
- * vertices on edges of coarser neighbours. */
-static void test_euler(void **state)
-{
-    (void)state;
-    const Vec3 *block[] = { cube, skew };
-    const unsigned cut[] = { 0, 1u << 0, 1u << 0 | 1u << 3, 63 };
-    const double size[] = { 3, 0.5, 0.37, 0.1, 0.031 };
-    size_t differing = 0;
-    for (int s = 0; s < 2 * 4 * 5; s++) {
-        Mesh m;
-        soup_start(&m.soup);
-        soup_block(&m.soup, block[s % 2], cut[s / 2 % 4]);
-        mesh_make(&m, &(PatchOptions){ .size = size[s / 8] });
-        assert_true(m.surfaces->closed);
-        const size_t edges = check_closed(m.patches) / 2, points = count_points(m.patches);
-        size_t faces = 0;
-        for (uint32_t i = 0; i < m.patches->count; i++) {
-            const uint32_t n = m.patches->first_corner[i + 1] - m.patches->first_corner[i];
-            faces += m.patches->side[i] == 0;
-            differing += n > 4;
-        }
-        assert_int_equal(points + faces, edges + 2);
-        mesh_clear(&m);
-    }
-    assert_true(differing > 100);
-}
-
-/* A ball of triangles, each of another size: closed, and smooth, so that all vertices are shared:
- * V - E + F = 2 by vertex numbers too, on both sides. */
-static void test_smooth_ball(void **state)
-{
-    (void)state;
-    enum { U = 17, V = 13 };
-    Mesh m;
-    soup_start(&m.soup);
-    Vec3 p[V + 1][U];
-    for (int j = 0; j <= V; j++)
-        for (int i = 0; i < U; i++) {
-            const double a = 2 * M_PI * i / U, h = M_PI * pow((double)j / V, 1.2);
-            p[j][i] = j == 0 ? vec3(0, 0, 1) : j == V ? vec3(0, 0, -1)
-                    : vec3(sin(h) * cos(a), sin(h) * sin(a), cos(h));
-        }
-    for (int j = 0; j < V; j++)
-        for (int i = 0; i < U; i++) {
-            const Vec3 a = p[j][i], b = p[j + 1][i], c = p[j + 1][(i + 1) % U],
-                       d = p[j][(i + 1) % U];
-            if (j < V - 1)
-                soup_polygon(&m.soup, (Vec3[]){ a, b, c }, 3, 0);
-            if (j == V - 1)
-                soup_polygon(&m.soup, (Vec3[]){ a, b, d }, 3, 0);
-            else if (j > 0)
-                soup_polygon(&m.soup, (Vec3[]){ a, c, d }, 3, 0);
-        }
-    mesh_make(&m, &(PatchOptions){ .size = 0.05 });
-    assert_true(m.surfaces->closed);
-    assert_int_equal(m.surfaces->repairs.degenerate, 0);
-    const size_t edges = check_closed(m.patches) / 2, points = count_points(m.patches);
-    assert_int_equal(points + m.patches->count / 2, edges + 2);
-    /* Both sides have vertices of their own, nothing else is split. */
-    assert_int_equal(m.patches->vertex_count, 2 * points);
-    mesh_clear(&m);
-}
-
-/* Vertices are shared over flat edges and split at creases and material borders; a neighbour wound
- * the other way round shares them with its back. */
-static void test_sharing(void **state)
-{
-    (void)state;
-    static const struct {
-        double   height;    /* of the second square's far edge */
-        uint32_t material;
-        bool     turned;
-        uint32_t vertices;  /* on both sides; two squares cut 2 x 2 */
-    } cases[] = {
-        { 0, 0, false, 2 * 15 },
-        { 0.2, 0, false, 2 * 15 },  /* 11 degrees */
-        { 1, 0, false, 2 * 18 },    /* 45 degrees */
-        { 0, 1, false, 2 * 18 },
-        { 0.2, 0, true, 2 * 15 },
-        { 1, 0, true, 2 * 18 },
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const double h = cases[i].height, length = sqrt(1 - h * h / 2);
-        Mesh m;
-        soup_start(&m.soup);
-        const Vec3 a = { 1, 0, 0 }, b = { 1 + length, 0, h }, c = { 1 + length, 1, h },
-                   d = { 1, 1, 0 };
-        soup_polygon(&m.soup, (Vec3[]){ { 0, 0, 0 }, a, d, { 0, 1, 0 } }, 4, 0);
-        if (cases[i].turned)
-            soup_polygon(&m.soup, (Vec3[]){ d, c, b, a }, 4, cases[i].material);
-        else
-            soup_polygon(&m.soup, (Vec3[]){ a, b, c, d }, 4, cases[i].material);
-        mesh_make(&m, &(PatchOptions){ .size = 0.7 });
-        assert_int_equal(m.patches->count, 16);
-        assert_int_equal(m.patches->vertex_count, cases[i].vertices);
-        mesh_clear(&m);
-    }
-}
-
-/* --- areas and points ----------------------------------------------------------------------------- */
+/* --- areas and points ------------------------------------------------------------------------- */
 
 static void test_areas(void **state)
 {
@@ -293,7 +32,7 @@ static void test_trapezoid(void **state)
     (void)state;
     Mesh m;
     soup_start(&m.soup);
-    soup_polygon(&m.soup, (Vec3[]){ { 0, 0, 0 }, { 4, 0, 0 }, { 1, 1, 0 }, { 0, 1, 0 } }, 4, 0);
+    soup_polygon(&m.soup, (Vec3[]){ { 0, 0, 0 }, { 4, 0, 0 }, { 1, 1, 0 }, { 0, 1, 0 } }, 4, 0, 0);
     /* bc is sqrt 10: 2 cells of at most 2 */
     mesh_make(&m, &(PatchOptions){ .size = 2, .sides = (const uint8_t[]){ 1 } });
     const double expected[4] = { 0.625, 1, 0.25, 0.625 };
@@ -365,7 +104,7 @@ static void test_lookup_outside(void **state)
     mesh_clear(&m);
 }
 
-/* --- interpolation --------------------------------------------------------------------------------- */
+/* --- interpolation ---------------------------------------------------------------------------- */
 
 /* The value of a vertex is its height above a slanted plane: a parallelogram and a triangle give it
  * back at every point, other surfaces at their vertices; weights sum to 1 everywhere. */
@@ -374,8 +113,8 @@ static void test_interpolation(void **state)
     (void)state;
     Mesh m;
     soup_start(&m.soup);
-    soup_polygon(&m.soup, (Vec3[]){ { 0, 0, 0 }, { 3, 1, 0 }, { 4, 3, 1 }, { 1, 2, 1 } }, 4, 0);
-    soup_polygon(&m.soup, (Vec3[]){ { 5, 0, 0 }, { 9, 0, 1 }, { 5, 3, 0 } }, 3, 1);
+    soup_polygon(&m.soup, (Vec3[]){ { 0, 0, 0 }, { 3, 1, 0 }, { 4, 3, 1 }, { 1, 2, 1 } }, 4, 0, 0);
+    soup_polygon(&m.soup, (Vec3[]){ { 5, 0, 0 }, { 9, 0, 1 }, { 5, 3, 0 } }, 3, 1, 0);
     mesh_make(&m, &(PatchOptions){ .size = 0.4 });
     const Vec3 slope = { 0.3, -1.7, 0.9 };
     for (uint32_t k = 0; k < 20000; k++) {
@@ -432,8 +171,8 @@ static void test_edge_continuity(void **state)
     (void)state;
     Mesh m;
     soup_start(&m.soup);
-    soup_polygon(&m.soup, (Vec3[]){ { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0 }, { 0, 1, 0 } }, 4, 0);
-    soup_polygon(&m.soup, (Vec3[]){ { 1, 0, 0 }, { 2, 0, 0 }, { 2, 1, 0 }, { 1, 1, 0 } }, 4, 0);
+    soup_polygon(&m.soup, (Vec3[]){ { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0 }, { 0, 1, 0 } }, 4, 0, 0);
+    soup_polygon(&m.soup, (Vec3[]){ { 1, 0, 0 }, { 2, 0, 0 }, { 2, 1, 0 }, { 1, 1, 0 } }, 4, 0, 0);
     mesh_make(&m, &(PatchOptions){ .size = 0.13 });
     for (int k = 0; k <= 100; k++) {
         double value[2] = { 0, 0 };
@@ -462,7 +201,7 @@ static void test_edge_continuity(void **state)
     mesh_clear(&m);
 }
 
-/* --- numbers --------------------------------------------------------------------------------------- */
+/* --- numbers ---------------------------------------------------------------------------------- */
 
 static void test_wanted(void **state)
 {
@@ -471,8 +210,8 @@ static void test_wanted(void **state)
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         Mesh m;
         soup_start(&m.soup);
-        soup_block(&m.soup, skew, 1);
-        soup_polygon(&m.soup, (Vec3[]){ { 5, 0, 0 }, { 9, 0, 1 }, { 5, 3, 0 } }, 3, 1);
+        soup_block(&m.soup, skew, 1, 0);
+        soup_polygon(&m.soup, (Vec3[]){ { 5, 0, 0 }, { 9, 0, 1 }, { 5, 3, 0 } }, 3, 1, 0);
         const Affine map = affine_identity();
         soup_shape(&m.soup, SHAPE_SPHERE, 1, &map);
         mesh_make(&m, &(PatchOptions){ .wanted = wanted[i] });
@@ -483,7 +222,7 @@ static void test_wanted(void **state)
     /* Fewer than surface sides cannot be. */
     Mesh m;
     soup_start(&m.soup);
-    soup_block(&m.soup, cube, 0);
+    soup_block(&m.soup, cube, 0, 0);
     mesh_make(&m, &(PatchOptions){ .wanted = 3 });
     assert_int_equal(m.patches->count, 12);
     mesh_clear(&m);
@@ -500,7 +239,8 @@ static void test_divisions(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         Mesh m;
         soup_start(&m.soup);
-        soup_polygon(&m.soup, (Vec3[]){ { 0, 0, 0 }, { 4, 0, 0 }, { 4, 1, 0 }, { 0, 1, 0 } }, 4, 0);
+        soup_polygon(&m.soup, (Vec3[]){ { 0, 0, 0 }, { 4, 0, 0 }, { 4, 1, 0 }, { 0, 1, 0 } }, 4, 0,
+                     0);
         mesh_make(&m, &(PatchOptions){ .size = cases[i].size });
         const uint32_t nu = m.patches->nu[0], nv = m.patches->nv[0];
         assert_int_equal(nu > nv ? nu : nv, cases[i].nu);
@@ -520,7 +260,7 @@ static void test_sides(void **state)
     (void)state;
     Mesh m;
     soup_start(&m.soup);
-    soup_block(&m.soup, cube, 0);
+    soup_block(&m.soup, cube, 0, 0);
     const uint8_t sides[6] = { 1, 2, 3, 0, 1, 1 };
     mesh_make(&m, &(PatchOptions){ .size = 0.5, .sides = sides });
     assert_int_equal(m.patches->count, 4 * 6);
@@ -546,31 +286,9 @@ static void test_sides(void **state)
     }
     mesh_clear(&m);
     soup_start(&m.soup);
-    soup_block(&m.soup, cube, 0);
+    soup_block(&m.soup, cube, 0, 0);
     mesh_make(&m, &(PatchOptions){ .size = 0.5, .sides = (const uint8_t[6]){ 0 } });
     assert_int_equal(m.patches->count, 0);
-    mesh_clear(&m);
-}
-
-/* Patches of a shape lie like it: chord polygons turn the way the normal points, vertices on the
- * surface, poles with three corners. */
-static void test_shape_polygons(void **state)
-{
-    (void)state;
-    Mesh m;
-    mesh_of_everything(&m, 0.3);
-    const Patches *p = m.patches;
-    for (uint32_t i = 0; i < p->count; i++) {
-        const uint32_t n = p->first_corner[i + 1] - p->first_corner[i];
-        const uint32_t *c = p->corner + p->first_corner[i];
-        if (m.surfaces->surface[p->surface[i]].kind != SURFACE_SHAPE)
-            continue;
-        assert_true(n == 3 || n == 4);
-        const Vec3 *q = p->position;
-        const Vec3 d = vec3_cross(vec3_sub(q[c[2]], q[c[0]]),
-                                  vec3_sub(q[c[n - 1]], q[c[1]]));
-        assert_true(vec3_dot(d, p->normal[i]) > 0);
-    }
     mesh_clear(&m);
 }
 
@@ -599,9 +317,6 @@ static void test_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_euler),
-        cmocka_unit_test(test_smooth_ball),
-        cmocka_unit_test(test_sharing),
         cmocka_unit_test(test_areas),
         cmocka_unit_test(test_trapezoid),
         cmocka_unit_test(test_points),
@@ -612,7 +327,6 @@ int main(void)
         cmocka_unit_test(test_wanted),
         cmocka_unit_test(test_divisions),
         cmocka_unit_test(test_sides),
-        cmocka_unit_test(test_shape_polygons),
         cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
