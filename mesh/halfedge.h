@@ -21,7 +21,8 @@ extern "C" {
 typedef struct HalfEdges HalfEdges;
 
 /* corner  [3 * triangle_count]  three different vertices each, < vertex_count. Windings should
- *         agree across edges: a triangle that does not fit is added with vertices of its own and marked.
+ *         agree across edges: a triangle that does not fit is added with vertices of its own and
+ *         marked.
  * refused [triangle_count]  set to 1 for those, else 0.
  * owns    the caller frees with halfedge_destroy.
  * fails   NULL; ERROR_MEMORY, ERROR_FAILED with what OpenMesh said. */
