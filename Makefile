@@ -57,6 +57,11 @@ SHARED := $(BUILD)/libisolux.so
 .PHONY: all
 all: $(BUILD)/isolux $(BUILD)/libisolux.a $(SHARED)
 
+# The program's parts, for tests that look into them.
+$(BUILD)/app.a: $(filter-out %/main.c.o,$(APP_OBJECTS))
+	@rm -f $@
+	$(Q)$(AR) rcs $@ $^
+
 $(BUILD)/isolux: $(APP_OBJECTS) $(BUILD)/libisolux.a
 	@echo "  LINK $@"
 	$(Q)$(LINK) -o $@ $^ $(LDFLAGS) $(LIBS)
@@ -117,15 +122,21 @@ bench: all
 
 # --- tests: one program a file, each in a process of its own -------------------------------------
 
+APP_USERS := $(shell grep -lE '^ *\# *include *"app/' tests/test_*.c tests/fuzz/fuzz_*.c 2>/dev/null)
+APP_USERS := $(basename $(notdir $(APP_USERS)))
+$(APP_USERS:%=$(BUILD)/tests/%) $(APP_USERS:fuzz_%=$(BUILD)/tests/replay_%) \
+$(APP_USERS:%=$(BUILD)/%): $(BUILD)/app.a
+LINK_INPUTS = $(filter %.o,$^) $(filter %/app.a,$^) $(filter %/libisolux.a,$^)
+
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.c.o $(BUILD)/libisolux.a
 	@mkdir -p $(@D)
-	$(Q)$(LINK) -o $@ $^ $(LDFLAGS) -lcmocka $(LIBS)
+	$(Q)$(LINK) -o $@ $(LINK_INPUTS) $(LDFLAGS) -lcmocka $(LIBS)
 
 # Fuzz targets without the fuzzer: each file of the corpus once.
 $(BUILD)/tests/replay_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(BUILD)/obj/tests/fuzz/replay.c.o \
                          $(BUILD)/libisolux.a
 	@mkdir -p $(@D)
-	$(Q)$(LINK) -o $@ $^ $(LDFLAGS) $(LIBS)
+	$(Q)$(LINK) -o $@ $(LINK_INPUTS) $(LDFLAGS) $(LIBS)
 
 TEST_PROGRAMS := $(TESTS:%=$(BUILD)/tests/%) $(FUZZ:%=$(BUILD)/tests/replay_%)
 TEST_JOBS ?= $(NPROC)
@@ -157,7 +168,7 @@ FUZZ_SECONDS ?= 10
 
 $(BUILD)/fuzz_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(BUILD)/libisolux.a
 	@echo "  LINK $@"
-	$(Q)$(CC) -fsanitize=fuzzer,$(SANITIZE) -pthread -o $@ $^ $(LDFLAGS) $(LIBS)
+	$(Q)$(CC) -fsanitize=fuzzer,$(SANITIZE) -pthread -o $@ $(LINK_INPUTS) $(LDFLAGS) $(LIBS)
 
 .PHONY: fuzz fuzz-programs
 fuzz:
@@ -194,7 +205,7 @@ LIBDIR     := $(DESTDIR)$(PREFIX)/lib
 HEADERDIR  := $(DESTDIR)$(PREFIX)/include/isolux
 DOCDIR     := $(DESTDIR)$(PREFIX)/share/doc/isolux
 SCENEDIR   := $(DESTDIR)$(PREFIX)/share/isolux/scenes
-HEADERS    := $(filter-out %/internal.h,$(foreach f,$(FOLDERS),$(wildcard $f/*.h)))
+HEADERS     = $(shell tools/headers.sh $(FOLDERS))
 DOCUMENTS  := $(wildcard LICENSE README.md CHANGELOG.md docs/*.md)
 
 .PHONY: install uninstall

@@ -14,7 +14,7 @@ command -v ctags >/dev/null || {
 product=$(ls {base,math,mesh,raycast,scenes,radiosity,render,viewer,app}/*.{c,h,cpp} 2>/dev/null)
 tests=$(ls tests/*.{c,h} tests/fuzz/*.{c,h} 2>/dev/null)
 sources=$(echo "$product" | grep -v '\.h$')
-headers=$(echo "$product" | grep '\.h$')
+public=$(tools/headers.sh base math mesh raycast scenes radiosity render)
 lines=$(cat $product | wc -l)
 status=0
 
@@ -129,13 +129,11 @@ bald=$(awk '
     /\*\// || /\/\*/ { said = 1 }
     /^[A-Za-z_].*[ *][a-z][a-z0-9_]*\(.*/ && !/^(static|typedef|#|extern "C")/ && !said {
         print FILENAME ":" FNR ": " $0
-    }' $(echo "$headers" | grep -vE '^app/|internal'))
+    }' $public)
 row "public functions without a comment" "$(count "$bald")" "0" "$(at_most "$(count "$bald")" 0)" \
     "over, soft" "$bald"
 
-public=$(ctags -x --kinds-C=p --language-force=C --_xformat='%N' $(echo "$headers" | grep -v internal) |
-    wc -l)
+prototypes=$(ctags -x --kinds-C=p --language-force=C --_xformat='%N' $public | wc -l)
 row "header lines per public function" \
-    "$(($(cat $(echo "$headers" | grep -v internal) | wc -l) / (public > 0 ? public : 1)))" \
-    "about 15" ok soft
+    "$(($(cat $public | wc -l) / (prototypes > 0 ? prototypes : 1)))" "about 15" ok soft
 exit "$status"
