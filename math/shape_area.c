@@ -18,10 +18,13 @@ static const double inner_agreement = 1e-11;
 /* Halving an interval 50 times leaves the last bits of its ends. */
 enum { DEPTH_MAX = 50 };
 
-typedef double (*Integrand)(const void *context, double x);
+typedef struct {
+    double (*f)(const void *context, double x);
+    const void *context;
+} Integrand;
 
 /* The 8-point Gauss-Legendre rule. */
-static double gauss(Integrand f, const void *context, double a, double b)
+static double gauss(const Integrand *g, double a, double b)
 {
     static const double node[4] = { 0.18343464249564980494, 0.52553240991632898582,
                                     0.79666647741362673959, 0.96028985649753623168 };
@@ -31,22 +34,23 @@ static double gauss(Integrand f, const void *context, double a, double b)
     double sum = 0;
 
     for (int i = 0; i < 4; i++)
-        sum += weight[i] * (f(context, middle - half * node[i]) +
-                            f(context, middle + half * node[i]));
+        sum += weight[i] * (g->f(g->context, middle - half * node[i]) +
+                            g->f(g->context, middle + half * node[i]));
     return half * sum;
 }
 
-static double integral(Integrand f, const void *context, double a, double b, double whole,
-                       double tolerance, int depth)
+/* `whole` is what one rule over a..b gives. */
+static double integral(const Integrand *g, double a, double b, double whole, double tolerance,
+                       int depth)
 {
     const double middle = (a + b) / 2;
-    const double left = gauss(f, context, a, middle);
-    const double right = gauss(f, context, middle, b);
+    const double left = gauss(g, a, middle);
+    const double right = gauss(g, middle, b);
 
     if (!(fabs(left + right - whole) > tolerance) || depth == 0)
         return left + right;
-    return integral(f, context, a, middle, left, tolerance, depth - 1) +
-           integral(f, context, middle, b, right, tolerance, depth - 1);
+    return integral(g, a, middle, left, tolerance, depth - 1) +
+           integral(g, middle, b, right, tolerance, depth - 1);
 }
 
 typedef struct {
@@ -76,11 +80,10 @@ static double strip(const void *context, double w)
         part.v = s * s;
         jacobian = sin(w) / 2;
     }
-    const double coarse = gauss(stretch, &part, part.u0, part.u1);
-    const double value = part.inner_tolerance < 0
-                             ? coarse
-                             : integral(stretch, &part, part.u0, part.u1, coarse,
-                                        part.inner_tolerance, DEPTH_MAX);
+    const Integrand along = { stretch, &part };
+    double value = gauss(&along, part.u0, part.u1);
+    if (part.inner_tolerance >= 0)
+        value = integral(&along, part.u0, part.u1, value, part.inner_tolerance, DEPTH_MAX);
     return jacobian * shape_local_weight(part.shape, part.v) * value;
 }
 
@@ -97,10 +100,11 @@ double shape_area(const Shape *shape, double u0, double u1, double v0, double v1
         w1 = 2 * asin(sqrt(v1));
     }
     Part part = { .shape = shape, .u0 = u0, .u1 = u1, .inner_tolerance = -1 };
-    const double estimate = gauss(strip, &part, w0, w1);
+    const Integrand strips = { strip, &part };
+    const double estimate = gauss(&strips, w0, w1);
     if (!(estimate > 0))
         return 0;
     part.inner_tolerance = inner_agreement * estimate / weight;
-    const double whole = gauss(strip, &part, w0, w1);
-    return integral(strip, &part, w0, w1, whole, outer_agreement * estimate, DEPTH_MAX);
+    const double whole = gauss(&strips, w0, w1);
+    return integral(&strips, w0, w1, whole, outer_agreement * estimate, DEPTH_MAX);
 }
