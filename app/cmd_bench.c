@@ -100,13 +100,12 @@ static void trace_chunk(void *context, uint32_t begin, uint32_t end, unsigned wo
 }
 
 /* Rays per second of one kind, tracing alone: the rays are made before the clock starts. */
-static double ray_rate(Bench *bench, Error *err)
+static double ray_rate(Bench *bench)
 {
     const Session *session = bench->pipeline->session;
     const unsigned threads = session->settings.threads;
     double seconds = 0;
     uint64_t rays = 0;
-    (void)err;
     parallel_for(bench->count, RAY_CHUNK, threads, fill_chunk, bench, NULL, NULL);
     while (seconds < BENCH_SECONDS && !session_stopped(session)) {
         const double begin = progress_now();
@@ -125,7 +124,7 @@ static bool bench_rays(Pipeline *pipeline, double rate[RAYS_KINDS], Error *err)
     bench.blocked = array_create(bench.count, sizeof *bench.blocked, "rays", err);
     for (RayKind kind = 0; kind < RAYS_KINDS && !error_is_set(err); kind++) {
         bench.kind = kind;
-        rate[kind] = ray_rate(&bench, err);
+        rate[kind] = ray_rate(&bench);
         session_say(pipeline->session, "  %-11s%8.2f Mray/s", kind_name(kind), 1e-6 * rate[kind]);
     }
     array_free(bench.ray);

@@ -53,14 +53,13 @@ static void say_mesh(Pipeline *pipeline)
 bool cmd_check(Pipeline *pipeline, int *exit_code, Error *err)
 {
     *exit_code = 0;
-    if (!pipeline_read(pipeline, err))
-        return false;
-    say_scene(pipeline);
-    if (!pipeline_mesh(pipeline, err) || !pipeline_sides(pipeline, err))
+    if (!pipeline_read(pipeline, err) || !pipeline_mesh(pipeline, err) ||
+        !pipeline_sides(pipeline, err))
         return false;
     if (!scene_has_light(pipeline->scene))
         monitor_warn(&pipeline->session->monitor, "no-emitter", pipeline->scene->file,
                      "nothing in the scene gives light");
+    say_scene(pipeline);
     say_mesh(pipeline);
     return true;
 }

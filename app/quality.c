@@ -51,10 +51,12 @@ Settings quality_settings(const Options *options)
     return s;
 }
 
-static void print_choice(FILE *out, OptionId id, int value)
+static void print_choice(FILE *out, const Options *options, OptionId id, int value)
 {
     const OptionRow *row = &options_table()[id];
     char word[32];
+    if ((row->commands & (unsigned)options->command) == 0)
+        return;
     value_word(row->words, value, word, sizeof word);
     fprintf(out, "%s %s\n", row->name + 2, word);
 }
@@ -68,24 +70,21 @@ static void print_value(FILE *out, const Options *options, OptionId id, double v
 
 void quality_print(FILE *out, const Options *options, const Settings *s)
 {
-    const unsigned command = (unsigned)options->command;
-    print_choice(out, OPTION_QUALITY, options->quality);
+    print_choice(out, options, OPTION_QUALITY, options->quality);
     print_value(out, options, OPTION_PATCH_SIZE, s->patch_size);
     print_value(out, options, OPTION_PATCHES, s->patches);
     print_value(out, options, OPTION_RAYS, s->rays);
     print_value(out, options, OPTION_LAMP_RAYS, s->lamp_rays);
-    print_choice(out, OPTION_CLOSURE, (int)s->closure);
-    if ((options_table()[OPTION_SOLVER].commands & command) != 0)
-        print_choice(out, OPTION_SOLVER, (int)s->solver);
+    print_choice(out, options, OPTION_CLOSURE, (int)s->closure);
+    print_choice(out, options, OPTION_SOLVER, (int)s->solver);
     print_value(out, options, OPTION_TOLERANCE, s->tolerance);
     print_value(out, options, OPTION_MAX_ITERATIONS, s->max_iterations);
     print_value(out, options, OPTION_SPP, s->spp);
     print_value(out, options, OPTION_GATHER_RAYS, s->gather_rays);
-    print_choice(out, OPTION_EMIT, options->emit);
-    print_choice(out, OPTION_SIDES, options->sides);
-    print_choice(out, OPTION_UNITS, options->units);
-    if ((options_table()[OPTION_LIGHT].commands & command) != 0)
-        print_choice(out, OPTION_LIGHT, options->light);
+    print_choice(out, options, OPTION_EMIT, options->emit);
+    print_choice(out, options, OPTION_SIDES, options->sides);
+    print_choice(out, options, OPTION_UNITS, options->units);
+    print_choice(out, options, OPTION_LIGHT, options->light);
     print_value(out, options, OPTION_UNIT_M, options->unit_m);
     fprintf(out, "threads %u\nseed %u\n", parallel_threads(s->threads), s->seed);
 }

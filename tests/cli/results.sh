@@ -45,7 +45,7 @@ reciprocal() {
 ok "reciprocity" reciprocal "$DIR/1.csv"
 ok "by material" exits 0 factors "$cube" --by material "${fast[@]}"
 ok "by material names them" grep -q '^lamp,1' "$DIR/out"
-ok "matrix size line" test "$(sed -n 3p "$DIR/1-patch.mtx" | awk '{ print $1 == $2 && $3 > $1 }')" = 1
+ok "matrix size line" test "$(sed -n 3p "$DIR/1-patch.mtx" | awk '{ print ($1 == $2 && $3 > $1) }')" = 1
 ok "a line per entry" test "$(sed -n 3p "$DIR/1-patch.mtx" | cut -d' ' -f3)" = \
     "$(tail -n +4 "$DIR/1-patch.mtx" | wc -l)"
 
@@ -60,7 +60,7 @@ ok "PLY has as many faces as patches" test "$(value "$DIR/back.json" polygons)" 
 lux=$(sed -n 2p "$DIR/1-lux.csv" | cut -d, -f10)
 ok "measure keeps the columns" grep -q '^0.5,0.5,0.2,0,0,1,' "$DIR/1-lux.csv"
 ok "measure keeps the normal as given" grep -q '^0.1,0.9,0,0,0,2,' "$DIR/1-lux.csv"
-ok "a lamp of 10 pi lm/m2 over it" awk "BEGIN { exit !($lux > 5 && $lux < 60) }"
+ok "light under the plate" awk "BEGIN { exit !($lux > 1 && $lux < 10 * 3.15) }"
 ok "points on standard input" bash -c \
     "'$ISOLUX' measure '$cube' --points - ${fast[*]} --gather-rays 64 <'$DIR/p.csv' >'$DIR/out' 2>'$DIR/err'"
 
