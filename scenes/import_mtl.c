@@ -142,7 +142,9 @@ static bool color_read(const TextFile *text, Word key, const char *line, Rgb *co
         return text_error(text, err, "%.*s: expected a number, found '%.*s'", (int)key.length,
                           key.begin, (int)first.length, first.begin);
     c.g = c.b = c.r;
-    if (text_number(text, &line, &c.g) && !text_number(text, &line, &c.b))
+    peek = line;
+    if (text_word(&peek).length > 0 &&
+        (!text_number(text, &line, &c.g) || !text_number(text, &line, &c.b)))
         return text_error(text, err, "%.*s: expected one or three numbers", (int)key.length,
                           key.begin);
     if (!isfinite(c.r) || !isfinite(c.g) || !isfinite(c.b))
