@@ -37,8 +37,24 @@ typedef struct {
     struct Worker       *worker;  /* [threads] */
 } Render;
 
+/* Points of a tile that lie side by side on one plane, nearly, and share a guide. */
+typedef struct {
+    Receiver first;   /* its first member */
+    double   reach;   /* how far off its plane members may be */
+    uint32_t members; /* pixel centres */
+    bool     trained;
+    Guide    guide;
+} Cluster;
+
+enum { CLUSTERS = 4 }; /* of a tile; whatever fits in none goes unguided */
+
 typedef struct Worker {
-    Wave    wave;
+    Wave     wave;
+    Cluster  cluster[CLUSTERS];
+    unsigned clusters;
+    Receiver centre[TILE * TILE]; /* what the pixels' centres show */
+    uint8_t  owner[TILE * TILE];  /* their clusters; CLUSTERS: none */
+    Receiver member[TILE * TILE];
     EyeRay  eye[WAVE_POINTS];
     Ray     ray[WAVE_POINTS];
     Hit     hit[WAVE_POINTS];
@@ -58,6 +74,73 @@ static Ray eye_ray(const CameraRays *camera, double x, double y)
                   .oz = (float)camera->eye.z, .t_min = 0, .dx = (float)d.x, .dy = (float)d.y,
                   .dz = (float)d.z, .t_max = INFINITY };
 }
+
+/* --- guides ---------------------------------------------------------------------------------- */
+
+/* Normals of one cluster are within 18 degrees. */
+static const double CLUSTER_COSINE = 0.95;
+
+/* Fewer centres than this are not worth a guide; a guide is learnt with this share of the rays it
+ * will serve, within limits: some per cell, and no more than make it better. */
+enum { MEMBERS_MIN = 16, TRAIN_SHARE = 16, TRAIN_MIN = 2 * GUIDE_SIDE * GUIDE_SIDE,
+       TRAIN_MAX = 16 * GUIDE_SIDE * GUIDE_SIDE };
+
+static bool belongs(const Cluster *cluster, const Receiver *at)
+{
+    return vec3_dot(cluster->first.normal, at->normal) > CLUSTER_COSINE &&
+           fabs(vec3_dot(vec3_sub(at->point, cluster->first.point), cluster->first.normal)) <
+               cluster->reach;
+}
+
+static const Guide *guide_for(const Worker *worker, const Receiver *at)
+{
+    for (unsigned i = 0; i < worker->clusters; i++)
+        if (worker->cluster[i].trained && belongs(&worker->cluster[i], at))
+            return &worker->cluster[i].guide;
+    return NULL;
+}
+
+/* Puts the point a centre shows into a cluster, its own if it fits no other. */
+static unsigned cluster_centre(const Render *render, Worker *worker, const Receiver *at)
+{
+    unsigned i = 0;
+    while (i < worker->clusters && !belongs(&worker->cluster[i], at))
+        i++;
+    if (i == CLUSTERS)
+        return i;
+    if (i == worker->clusters) {
+        const double distance = vec3_length(vec3_sub(at->point, render->camera.eye));
+        worker->clusters++;
+        worker->cluster[i] = (Cluster){
+            .first = *at, .reach = TILE * distance * vec3_length(render->camera.right) };
+    }
+    worker->cluster[i].members++;
+    return i;
+}
+
+/* Clusters the tile's centres and trains a guide for each cluster that is worth it. */
+static void train_guides(const Render *render, Worker *worker, uint32_t centres, uint32_t tile)
+{
+    const RenderOptions *o = render->options;
+    worker->clusters = 0;
+    for (uint32_t i = 0; i < centres; i++)
+        worker->owner[i] = (uint8_t)cluster_centre(render, worker, &worker->centre[i]);
+    for (unsigned c = 0; c < worker->clusters; c++) {
+        Cluster *cluster = &worker->cluster[c];
+        uint32_t members = 0;
+        for (uint32_t i = 0; i < centres; i++)
+            if (worker->owner[i] == c)
+                worker->member[members++] = worker->centre[i];
+        const uint64_t served = (uint64_t)members * o->samples * o->gather_rays / TRAIN_SHARE;
+        if (members < MEMBERS_MIN || served < TRAIN_MIN)
+            continue;
+        cluster->trained = wave_train(&worker->wave, worker->member, members,
+                                      served < TRAIN_MAX ? (uint32_t)served : TRAIN_MAX,
+                                      sampling_seed(tile, c, o->seed, 2), &cluster->guide);
+    }
+}
+
+/* --- the eye's rays -------------------------------------------------------------------------- */
 
 static bool emits(const Room *room, const RoomHit *hit)
 {
@@ -84,8 +167,9 @@ static bool end_of_ray(const Render *render, Worker *worker, uint32_t i, unsigne
         pixel->radiance = rgb_add(pixel->radiance, rgb_mul(eye->weight, m->emission));
     if (bounce == 0 || rgb_max(m->reflectance) > 0) {
         const uint32_t k = (*points)++;
-        worker->wave.point[0][k] = (WavePoint){ .at = { hit.point, hit.normal },
-                                                .index = eye->index };
+        const Receiver at = { hit.point, hit.normal };
+        worker->wave.point[0][k] = (WavePoint){ .at = at, .index = eye->index,
+                                                .guide = guide_for(worker, &at) };
         worker->albedo[k] = m->reflectance;
         worker->throughput[k] = rgb_scale(rgb_mul(eye->weight, m->reflectance), 1 / PI);
     }
@@ -158,23 +242,26 @@ static void store(float *out, Rgb sum, double scale)
     out[2] = (float)(sum.b * scale);
 }
 
-/* What the pixel's centre shows first: normal, distance, patch. */
-static void store_centre(const Render *render, Worker *worker, int x, int y, size_t at)
+/* What the pixel's centre shows first: normal, distance, patch. false: nothing. */
+static bool store_centre(const Render *render, Worker *worker, int x, int y, Receiver *centre)
 {
-    const Room *room = render->gatherer->room;
-    const Ray   ray = eye_ray(&render->camera, x + 0.5, y + 0.5);
-    Hit         h;
+    const Room  *room = render->gatherer->room;
+    Image       *image = render->image;
+    const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
+    const Ray    ray = eye_ray(&render->camera, x + 0.5, y + 0.5);
+    Hit          h;
+    RoomHit      hit;
     worker->wave.rays++;
     if (!bvh_nearest(room->bvh, &ray, &h))
-        return;
-    RoomHit hit;
+        return false;
     room_hit(room, &h, vec3(ray.dx, ray.dy, ray.dz), &hit);
-    Image *image = render->image;
     image->normal[3 * at] = (float)hit.normal.x;
     image->normal[3 * at + 1] = (float)hit.normal.y;
     image->normal[3 * at + 2] = (float)hit.normal.z;
     image->depth[at] = (float)vec3_length(vec3_sub(hit.point, render->camera.eye));
     image->patch[at] = hit.patch;
+    *centre = (Receiver){ hit.point, hit.normal };
+    return true;
 }
 
 static void render_pixel(const Render *render, Worker *worker, int x, int y)
@@ -195,7 +282,23 @@ static void render_pixel(const Render *render, Worker *worker, int x, int y)
     store(image->indirect + 3 * at, pixel.indirect, scale);
     store(image->albedo + 3 * at, pixel.albedo, scale);
     store(image->irradiance + 3 * at, pixel.irradiance, scale);
-    store_centre(render, worker, x, y, at);
+}
+
+static int smaller(int a, int b) { return a < b ? a : b; }
+
+static void render_tile(const Render *render, Worker *worker, uint32_t tile)
+{
+    const int x0 = (int)(tile % render->tiles_x) * TILE, y0 = (int)(tile / render->tiles_x) * TILE;
+    const int x1 = smaller(x0 + TILE, render->image->width);
+    const int y1 = smaller(y0 + TILE, render->image->height);
+    uint32_t  centres = 0;
+    for (int y = y0; y < y1; y++)
+        for (int x = x0; x < x1; x++)
+            centres += store_centre(render, worker, x, y, &worker->centre[centres]);
+    train_guides(render, worker, centres, tile);
+    for (int y = y0; y < y1; y++)
+        for (int x = x0; x < x1; x++)
+            render_pixel(render, worker, x, y);
 }
 
 static void render_tiles(void *context, uint32_t begin, uint32_t end, unsigned thread)
@@ -203,11 +306,8 @@ static void render_tiles(void *context, uint32_t begin, uint32_t end, unsigned t
     const Render *render = context;
     Worker       *worker = &render->worker[thread];
     for (uint32_t tile = begin; tile < end; tile++) {
-        const int x0 = (int)(tile % render->tiles_x) * TILE, y0 = (int)(tile / render->tiles_x) * TILE;
         worker->wave.rays = 0;
-        for (int y = y0; y < y0 + TILE && y < render->image->height; y++)
-            for (int x = x0; x < x0 + TILE && x < render->image->width; x++)
-                render_pixel(render, worker, x, y);
+        render_tile(render, worker, tile);
         render->rays[tile] = worker->wave.rays;
     }
 }

@@ -9,7 +9,7 @@
 #include "math/tolerance.h"
 
 /* Purposes of the sequences drawn from one seed. */
-enum { SEED_LAMP = 1, SEED_LIGHT, SEED_DIRECTION, SEED_RAMP };
+enum { SEED_LAMP = 1, SEED_LIGHT, SEED_DIRECTION, SEED_RAMP, SEED_TRAIN };
 
 static uint32_t seed_of(uint32_t seed, uint32_t purpose, unsigned level)
 {
@@ -132,6 +132,16 @@ static double ramp(double distance, double cell)
     return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
 }
 
+/* The ray that leaves a receiver for the point u of the square. */
+static Ray hemisphere_ray(const Room *room, const Receiver *at, const float u[2])
+{
+    Vec3       s, t;
+    const Vec3 c = sampling_cosine(u[0], u[1]), n = at->normal;
+    vec3_frame(n, &s, &t);
+    const Vec3 d = vec3_mad(vec3_mad(vec3_scale(n, c.z), c.x, s), c.y, t);
+    return ray_leaving(at->point, n, wave_offset(room, at->point), d, INFINITY);
+}
+
 /* Directions for rays begin..end-1 of the level's points. */
 static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t end, uint32_t rays,
                        uint32_t seed)
@@ -140,13 +150,9 @@ static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t end,
     for (uint32_t e = begin; e < end; e++) {
         const WavePoint *p = &wave->point[level][e / rays];
         float            u[2];
-        Vec3             s, t;
         sampling_sobol2(p->index * rays + e % rays, seed, u);
-        const Vec3 c = sampling_cosine(u[0], u[1]), n = p->at.normal;
-        vec3_frame(n, &s, &t);
-        const Vec3 d = vec3_mad(vec3_mad(vec3_scale(n, c.z), c.x, s), c.y, t);
-        wave->ray[e - begin] = ray_leaving(p->at.point, n, wave_offset(room, p->at.point), d,
-                                           INFINITY);
+        wave->worth[e - begin] = p->guide != NULL ? (float)guide_map(p->guide, u) : 1;
+        wave->ray[e - begin] = hemisphere_ray(room, &p->at, u);
     }
     bvh_nearest_many(room->bvh, wave->ray, wave->hit, end - begin);
     wave->rays += end - begin;
@@ -165,11 +171,12 @@ static uint32_t read_end(Wave *wave, unsigned level, uint32_t e, uint32_t k, uin
     room_hit(room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
     if (hit.patch == PATCH_NONE)
         return next;
+    const double worth = wave->worth[k] / rays;
     const Material *material = &room->materials[room->surfaces->surface[hit.surface].material];
     if (g->lamps.shared && room->emitting[hit.surface] >> hit.side & 1) {
         const double lamp_rays = level == 0 ? options->lamp_rays : 1;
         const double share = lamps_share(&g->lamps, &p->at, lamp_rays, rays, &hit);
-        add_to(wave, p, level, rgb_scale(material->emission, M_PI * share / rays));
+        add_to(wave, p, level, rgb_scale(material->emission, M_PI * share * worth));
     }
     const uint32_t index = p->index * rays + e % rays;
     if (level + 1 < WAVE_LEVELS) {
@@ -178,13 +185,52 @@ static uint32_t read_end(Wave *wave, unsigned level, uint32_t e, uint32_t k, uin
         if (luck < chance) {
             wave->point[level + 1][next] = (WavePoint){
                 .at = { hit.point, hit.normal }, .root = p->root, .index = index,
-                .weight = rgb_scale(rgb_mul(p->weight, material->reflectance), 1.0 / rays) };
+                .weight = rgb_scale(rgb_mul(p->weight, material->reflectance), worth) };
             return next + 1;
         }
     }
     Rgb *sum = &wave->indirect[p->root];
-    *sum = rgb_add(*sum, rgb_scale(rgb_mul(p->weight, wave_radiosity(g, &hit)), 1.0 / rays));
+    *sum = rgb_add(*sum, rgb_scale(rgb_mul(p->weight, wave_radiosity(g, &hit)), worth));
     return next;
+}
+
+bool wave_train(Wave *wave, const Receiver *at, uint32_t count, uint32_t rays, uint32_t seed,
+                Guide *guide)
+{
+    assert(count > 0 && rays > 0);
+    const Room    *room = wave->gatherer->room;
+    double         light[GUIDE_SIDE][GUIDE_SIDE] = { { 0 } };
+    uint32_t       number[GUIDE_SIDE][GUIDE_SIDE] = { { 0 } };
+    uint8_t        cell[WAVE_RAYS][2];
+    const uint32_t own = seed_of(seed, SEED_TRAIN, 0);
+    for (uint32_t begin = 0; begin < rays; begin += WAVE_RAYS) {
+        const uint32_t n = rays - begin < WAVE_RAYS ? rays - begin : WAVE_RAYS;
+        for (uint32_t k = 0; k < n; k++) {
+            float u[2];
+            sampling_sobol2(begin + k, own, u);
+            cell[k][0] = (uint8_t)(u[0] * GUIDE_SIDE);
+            cell[k][1] = (uint8_t)(u[1] * GUIDE_SIDE);
+            number[cell[k][0]][cell[k][1]]++;
+            const size_t who = (size_t)((uint64_t)(begin + k) * count / rays);
+            wave->ray[k] = hemisphere_ray(room, &at[who], u);
+        }
+        bvh_nearest_many(room->bvh, wave->ray, wave->hit, n);
+        wave->rays += n;
+        for (uint32_t k = 0; k < n; k++) {
+            const Ray *ray = &wave->ray[k];
+            RoomHit    hit;
+            if (wave->hit[k].primitive == RAY_MISS)
+                continue;
+            room_hit(room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
+            if (hit.patch != PATCH_NONE)
+                light[cell[k][0]][cell[k][1]] +=
+                    fmax(rgb_luminance(wave_radiosity(wave->gatherer, &hit)), 0);
+        }
+    }
+    for (int y = 0; y < GUIDE_SIDE; y++)
+        for (int x = 0; x < GUIDE_SIDE; x++)
+            light[y][x] /= number[y][x] > 0 ? number[y][x] : 1;
+    return guide_init(guide, (const double(*)[GUIDE_SIDE])light);
 }
 
 static void receive(Wave *wave, unsigned level, uint32_t count, const WaveOptions *options)

@@ -18,6 +18,7 @@
 
 #include "radiosity/room.h"
 #include "render/gather.h"
+#include "render/guide.h"
 #include "render/lamps.h"
 
 enum {
@@ -39,6 +40,7 @@ typedef struct {
     Rgb      weight;
     uint32_t root;   /* index of the point that asked, < WAVE_POINTS */
     uint32_t index;  /* of its sample in its sequences */
+    const Guide *guide; /* of its hemisphere rays; NULL: none. Level 0 only */
 } WavePoint;
 
 typedef struct {
@@ -56,6 +58,7 @@ typedef struct {
     Ray       ray[WAVE_RAYS];
     Hit       hit[WAVE_RAYS];
     bool      blocked[WAVE_RAYS];
+    float     worth[WAVE_RAYS];      /* of a hemisphere ray: 1 / density of its guide */
     LampSample sample[WAVE_RAYS];
     uint32_t   owner[WAVE_RAYS];     /* of the ray: which point of the level */
     double     lit_share;            /* of the last block of lamp rays of level 0 */
@@ -65,6 +68,11 @@ typedef struct {
 /* Light at the first `count` <= WAVE_POINTS points of level 0 (filled by the caller: at, index) into
  * direct and indirect. */
 void wave_gather(Wave *wave, uint32_t count, const WaveOptions *options);
+
+/* Learns by `rays` hemisphere rays, spread over the receivers, where they get their light from.
+ * false: they get none. */
+bool wave_train(Wave *wave, const Receiver *at, uint32_t count, uint32_t rays, uint32_t seed,
+                Guide *guide);
 
 /* How far rays that leave p are moved off their surface. */
 double wave_offset(const Room *room, Vec3 p);

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A piecewise constant density on the square: rows by their sums, cells within the row. */
+#include "render/guide.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+
+static int clamp_cell(int i) { return i < 0 ? 0 : i >= GUIDE_SIDE ? GUIDE_SIDE - 1 : i; }
+
+/* Mean over 3 x 3 cells, weights 1 2 1: edges move between the points that share a guide. */
+static double blurred(const double light[GUIDE_SIDE][GUIDE_SIDE], int y, int x)
+{
+    double sum = 0;
+    for (int j = -1; j <= 1; j++)
+        for (int i = -1; i <= 1; i++)
+            sum += (2 - abs(j)) * (2 - abs(i)) * light[clamp_cell(y + j)][clamp_cell(x + i)];
+    return sum / 16;
+}
+
+/* Running sums of n densities, ending at exactly 1. */
+static double running(const double *density, float *below)
+{
+    double sum = 0, all = 0;
+    for (int i = 0; i < GUIDE_SIDE; i++)
+        all += density[i];
+    below[0] = 0;
+    for (int i = 0; i < GUIDE_SIDE; i++) {
+        sum += density[i];
+        below[i + 1] = (float)(sum / all);
+    }
+    below[GUIDE_SIDE] = 1;
+    return all;
+}
+
+bool guide_init(Guide *guide, const double light[GUIDE_SIDE][GUIDE_SIDE])
+{
+    double density[GUIDE_SIDE][GUIDE_SIDE], rows[GUIDE_SIDE], mean = 0;
+    for (int y = 0; y < GUIDE_SIDE; y++)
+        for (int x = 0; x < GUIDE_SIDE; x++) {
+            assert(light[y][x] >= 0);
+            density[y][x] = blurred(light, y, x);
+            mean += density[y][x] / (GUIDE_SIDE * GUIDE_SIDE);
+        }
+    if (!(mean > 0) || !isfinite(mean))
+        return false;
+    for (int y = 0; y < GUIDE_SIDE; y++) {
+        for (int x = 0; x < GUIDE_SIDE; x++)
+            density[y][x] = GUIDE_PLAIN + (1 - GUIDE_PLAIN) * density[y][x] / mean;
+        rows[y] = running(density[y], guide->column[y]);
+    }
+    running(rows, guide->row);
+    /* From the sums as stored, so that what is drawn and what it weighs agree to the last bit. */
+    for (int y = 0; y < GUIDE_SIDE; y++)
+        for (int x = 0; x < GUIDE_SIDE; x++)
+            guide->worth[y][x] = 1 / ((guide->row[y + 1] - guide->row[y]) * GUIDE_SIDE *
+                                      (guide->column[y][x + 1] - guide->column[y][x]) * GUIDE_SIDE);
+    return true;
+}
+
+/* The cell that holds u; *u becomes its place in the whole, cell by cell. */
+static int find_cell(const float *below, float *u)
+{
+    int cell = 0;
+    for (int step = GUIDE_SIDE / 2; step > 0; step /= 2)
+        cell += below[cell + step] <= *u ? step : 0;
+    const float width = below[cell + 1] - below[cell];
+    const float inside = fminf((*u - below[cell]) / width, 1 - 0x1p-24F);
+    *u = fminf(((float)cell + inside) / GUIDE_SIDE, 1 - 0x1p-24F);
+    return cell;
+}
+
+double guide_map(const Guide *guide, float u[2])
+{
+    assert(u[0] >= 0 && u[0] < 1 && u[1] >= 0 && u[1] < 1);
+    const int y = find_cell(guide->row, &u[0]);
+    const int x = find_cell(guide->column[y], &u[1]);
+    return guide->worth[y][x];
+}
