@@ -384,16 +384,16 @@ bool pipeline_solve(Pipeline *pipeline, Error *err)
 int pipeline_exit_code(const Pipeline *pipeline)
 {
     const Closure closure = pipeline->session->settings.closure;
+    /* Closing by default is a help, and warns when it fails; asked for, it is a promise. */
+    const bool promised = options_given(&pipeline->session->options, OPTION_CLOSURE);
     const bool rows = closure == CLOSURE_ROWS || closure == CLOSURE_BOTH;
     const bool pairs = closure == CLOSURE_RECIPROCITY || closure == CLOSURE_BOTH;
     const bool unsolved = pipeline->solution != NULL && !pipeline->solution->converged;
     if (pipeline->session->hurry || (unsolved && session_stopped(pipeline->session)))
         return ERROR_STOPPED;
-    if (unsolved ||
-        (rows && pipeline->report.row_sum_error_max > CLOSURE_TOLERANCE) ||
-        (pairs && pipeline->report.reciprocity_error_max > CLOSURE_TOLERANCE))
-        return 4;
-    return 0;
+    const bool open = (rows && pipeline->report.row_sum_error_max > CLOSURE_TOLERANCE) ||
+                      (pairs && pipeline->report.reciprocity_error_max > CLOSURE_TOLERANCE);
+    return unsolved || (promised && open) ? 4 : 0;
 }
 
 void pipeline_clear(Pipeline *pipeline)
