@@ -66,35 +66,46 @@ $(BUILD)/isolux: $(APP_OBJECTS) $(BUILD)/libisolux.a
 	@echo "  LINK $@"
 	$(Q)$(LINK) -o $@ $^ $(LDFLAGS) $(LIBS)
 
-$(BUILD)/libisolux.a: $(OBJECTS)
+$(BUILD)/libisolux.a: $(OBJECTS) $(BUILD)/objects
 	@echo "  AR   $@"
 	@rm -f $@
-	$(Q)$(AR) rcs $@ $^
+	$(Q)$(AR) rcs $@ $(OBJECTS)
 
-$(SHARED): $(OBJECTS)
+$(SHARED): $(OBJECTS) $(BUILD)/objects
 	@echo "  LINK $@"
-	$(Q)$(LINK) -shared -Wl,-soname,libisolux.so.$(SOVERSION) -o $@ $^ $(LDFLAGS) $(LIBS)
+	$(Q)$(LINK) -shared -Wl,-soname,libisolux.so.$(SOVERSION) -o $@ $(OBJECTS) $(LDFLAGS) $(LIBS)
 	@ln -sf libisolux.so $@.$(SOVERSION)
+
+# Files that change when the options or the list of sources do, so that what was made with others is
+# made again.
+.PHONY: always
+$(BUILD)/options: always
+	@mkdir -p $(@D)
+	@echo '$(CC) $(CXX) $(subst ','\'',$(ALL_CFLAGS) $(ALL_CXXFLAGS))' | cmp -s - $@ || \
+	  echo '$(CC) $(CXX) $(subst ','\'',$(ALL_CFLAGS) $(ALL_CXXFLAGS))' >$@
+$(BUILD)/objects: always
+	@mkdir -p $(@D)
+	@echo '$(OBJECTS)' | cmp -s - $@ || echo '$(OBJECTS)' >$@
 
 # What is missing is told once, before the compiler tells it in its own way.
 $(BUILD)/libraries-found: tools/deps.sh
 	@CC="$(CC)" CXX="$(CXX)" tools/deps.sh check $(SYSTEM_INCLUDES)
 	@mkdir -p $(@D) && touch $@
 
-$(BUILD)/obj/%.c.o: %.c | $(BUILD)/libraries-found
+$(BUILD)/obj/%.c.o: %.c $(BUILD)/options | $(BUILD)/libraries-found
 	@mkdir -p $(@D)
 	@echo "  CC   $<"
-	$(Q)$(CC) $(ALL_CFLAGS) $(SYSTEM_INCLUDES) -MMD -MP -c -o $@ $<
+	$(Q)$(CC) $(ALL_CFLAGS) $(SYSTEM_INCLUDES) $(FUZZ_OPTIONS) -MMD -MP -c -o $@ $<
 
-$(BUILD)/obj/%.cpp.o: %.cpp | $(BUILD)/libraries-found
+$(BUILD)/obj/%.cpp.o: %.cpp $(BUILD)/options | $(BUILD)/libraries-found
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
 	$(Q)$(CXX) $(ALL_CXXFLAGS) $(SYSTEM_INCLUDES) -MMD -MP -c -o $@ $<
 
-# A fuzz target is called by the fuzzer's main, which has no header.
-$(BUILD)/obj/tests/fuzz/%: CWARNINGS += -Wno-missing-prototypes
+# A fuzz target is called by the fuzzer, which has no header.
+FUZZ_OPTIONS = $(if $(filter tests/fuzz/%,$<),-Wno-missing-prototypes)
 
-.SECONDARY:
+.PRECIOUS: $(BUILD)/obj/%.c.o
 -include $(OBJECTS:.o=.d) $(APP_OBJECTS:.o=.d) $(TEST_OBJECTS:.o=.d)
 
 # --- getting it, seeing it -----------------------------------------------------------------------
