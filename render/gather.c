@@ -45,6 +45,21 @@ static bool fill_vertices(Gatherer *g, const Solution *solution, const Links *li
     return !error_is_set(err);
 }
 
+static bool fill_normals(Gatherer *g, Error *err)
+{
+    const Surfaces *s = g->room->surfaces;
+    g->normal = array_create(3 * (size_t)s->triangle_count, sizeof *g->normal, "gather", err);
+    if (g->normal == NULL)
+        return false;
+    for (uint32_t i = 0; i < s->triangle_count; i++) {
+        const Vec3 n = surfaces_normal(s, i, 0, 0);
+        g->normal[3 * (size_t)i] = (float)n.x;
+        g->normal[3 * (size_t)i + 1] = (float)n.y;
+        g->normal[3 * (size_t)i + 2] = (float)n.z;
+    }
+    return true;
+}
+
 Gatherer *gatherer_create(const Room *room, const Solution *solution, const Links *links,
                           Error *err)
 {
@@ -59,7 +74,7 @@ Gatherer *gatherer_create(const Room *room, const Solution *solution, const Link
     g->room = room;
     g->cell = array_create(room->surfaces->count, sizeof *g->cell, "gather", err);
     if (g->cell == NULL || !fill_vertices(g, solution, links, err) ||
-        !lamps_init(&g->lamps, room, err))
+        !fill_normals(g, err) || !lamps_init(&g->lamps, room, err))
         return gatherer_destroy(g);
     for (uint32_t i = 0; i < room->surfaces->count; i++)
         g->cell[i] = cell_of(room->patches, room->surfaces, i);
@@ -73,6 +88,7 @@ Gatherer *gatherer_destroy(Gatherer *g)
     lamps_clear(&g->lamps);
     array_free(g->vertex);
     array_free(g->cell);
+    array_free(g->normal);
     return array_free(g);
 }
 

@@ -18,18 +18,19 @@ static double blurred(const double light[GUIDE_SIDE][GUIDE_SIDE], int y, int x)
     return sum / 16;
 }
 
-/* Running sums of n densities, ending at exactly 1. */
-static double running(const double *density, float *below)
+/* Running sums of densities, ending at exactly 1; returns the sum. */
+static double axis_init(GuideAxis *axis, const double *density)
 {
     double sum = 0, all = 0;
     for (int i = 0; i < GUIDE_SIDE; i++)
         all += density[i];
-    below[0] = 0;
+    axis->below[0] = 0;
     for (int i = 0; i < GUIDE_SIDE; i++) {
         sum += density[i];
-        below[i + 1] = (float)(sum / all);
+        axis->below[i + 1] = i + 1 < GUIDE_SIDE ? (float)(sum / all) : 1;
+        axis->scale[i] = 1 / ((axis->below[i + 1] - axis->below[i]) * GUIDE_SIDE);
+        axis->shift[i] = (float)i / GUIDE_SIDE - axis->below[i] * axis->scale[i];
     }
-    below[GUIDE_SIDE] = 1;
     return all;
 }
 
@@ -47,33 +48,31 @@ bool guide_init(Guide *guide, const double light[GUIDE_SIDE][GUIDE_SIDE])
     for (int y = 0; y < GUIDE_SIDE; y++) {
         for (int x = 0; x < GUIDE_SIDE; x++)
             density[y][x] = GUIDE_PLAIN + (1 - GUIDE_PLAIN) * density[y][x] / mean;
-        rows[y] = running(density[y], guide->column[y]);
+        rows[y] = axis_init(&guide->column[y], density[y]);
     }
-    running(rows, guide->row);
-    /* From the sums as stored, so that what is drawn and what it weighs agree to the last bit. */
+    axis_init(&guide->row, rows);
+    /* From the sums as stored, so that what is drawn and what it weighs agree. */
     for (int y = 0; y < GUIDE_SIDE; y++)
         for (int x = 0; x < GUIDE_SIDE; x++)
-            guide->worth[y][x] = 1 / ((guide->row[y + 1] - guide->row[y]) * GUIDE_SIDE *
-                                      (guide->column[y][x + 1] - guide->column[y][x]) * GUIDE_SIDE);
+            guide->worth[y][x] = guide->row.scale[y] * guide->column[y].scale[x];
     return true;
 }
 
 /* The cell that holds u; *u becomes its place in the whole, cell by cell. */
-static int find_cell(const float *below, float *u)
+static int axis_map(const GuideAxis *axis, float *u)
 {
     int cell = 0;
     for (int step = GUIDE_SIDE / 2; step > 0; step /= 2)
-        cell += below[cell + step] <= *u ? step : 0;
-    const float width = below[cell + 1] - below[cell];
-    const float inside = fminf((*u - below[cell]) / width, 1 - 0x1p-24F);
-    *u = fminf(((float)cell + inside) / GUIDE_SIDE, 1 - 0x1p-24F);
+        cell += axis->below[cell + step] <= *u ? step : 0;
+    const float place = axis->shift[cell] + axis->scale[cell] * *u;
+    *u = place < 0 ? 0 : place < 1 ? place : 1 - 0x1p-24F;
     return cell;
 }
 
 double guide_map(const Guide *guide, float u[2])
 {
     assert(u[0] >= 0 && u[0] < 1 && u[1] >= 0 && u[1] < 1);
-    const int y = find_cell(guide->row, &u[0]);
-    const int x = find_cell(guide->column[y], &u[1]);
+    const int y = axis_map(&guide->row, &u[0]);
+    const int x = axis_map(&guide->column[y], &u[1]);
     return guide->worth[y][x];
 }

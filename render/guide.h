@@ -15,10 +15,16 @@ enum { GUIDE_SIDE = 16 };
 /* Share of the rays that stay as they were, for what the histogram did not see. */
 #define GUIDE_PLAIN 0.25
 
+/* One axis: below[i] <= u < below[i + 1] goes to cell i, at shift[i] + scale[i] u of the axis. */
 typedef struct {
-    float row[GUIDE_SIDE + 1];                 /* running sums over rows, 0..1 */
-    float column[GUIDE_SIDE][GUIDE_SIDE + 1];  /* within each row, 0..1 */
-    float worth[GUIDE_SIDE][GUIDE_SIDE];       /* 1 / density */
+    float below[GUIDE_SIDE + 1]; /* running sums, 0..1 */
+    float shift[GUIDE_SIDE], scale[GUIDE_SIDE];
+} GuideAxis;
+
+typedef struct {
+    GuideAxis row;
+    GuideAxis column[GUIDE_SIDE];        /* within each row */
+    float     worth[GUIDE_SIDE][GUIDE_SIDE]; /* 1 / density */
 } Guide;
 
 /* From mean light per cell, >= 0. false: no light at all, the guide is of no use. */

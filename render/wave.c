@@ -20,8 +20,9 @@ static uint32_t seed_of(uint32_t seed, uint32_t purpose, unsigned level)
  * where float is coarser. */
 double wave_offset(const Room *room, Vec3 p)
 {
-    const double largest = fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z)));
-    return fmax(room->offset, ray_offset(largest));
+    const double x = fabs(p.x), y = fabs(p.y), z = fabs(p.z), xy = x > y ? x : y;
+    const double offset = ray_offset(xy > z ? xy : z);
+    return offset > room->offset ? offset : room->offset;
 }
 
 static void add_to(Wave *wave, const WavePoint *point, unsigned level, Rgb irradiance)
@@ -109,13 +110,30 @@ static void receive_lamps(Wave *wave, unsigned level, uint32_t count, const Wave
 
 /* --- the hemisphere -------------------------------------------------------------------------- */
 
-Rgb wave_radiosity(const Gatherer *gatherer, const RoomHit *hit)
+WaveEnd wave_end(const Gatherer *gatherer, const Ray *ray, const Hit *hit)
+{
+    const Surfaces *surfaces = gatherer->room->surfaces;
+    WaveEnd end = { .surface = surfaces_of_primitive(surfaces, hit->primitive) };
+    double  along;
+    if (hit->primitive < surfaces->triangle_count) {
+        const float *n = gatherer->normal + 3 * (size_t)hit->primitive;
+        along = n[0] * ray->dx + n[1] * ray->dy + n[2] * ray->dz;
+    } else {
+        along = vec3_dot(surfaces_normal(surfaces, hit->primitive, hit->u, hit->v),
+                         vec3(ray->dx, ray->dy, ray->dz));
+    }
+    end.side = along > 0 ? 1 : 0;
+    surfaces_parameters(surfaces, hit->primitive, hit->u, hit->v, &end.s, &end.t);
+    return end;
+}
+
+Rgb wave_radiosity(const Gatherer *gatherer, const WaveEnd *end)
 {
     const Room *room = gatherer->room;
     uint32_t    vertex[4];
     double      weight[4];
-    const int   n = patches_interpolate(room->patches, room->surfaces, hit->surface, hit->side,
-                                        hit->s, hit->t, vertex, weight);
+    const int   n = patches_interpolate(room->patches, room->surfaces, end->surface, end->side,
+                                        end->s, end->t, vertex, weight);
     Rgb b = { 0, 0, 0 };
     for (int i = 0; i < n; i++) {
         const float *v = gatherer->vertex + 3 * (size_t)vertex[i];
@@ -158,39 +176,59 @@ static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t end,
     wave->rays += end - begin;
 }
 
+/* Makes the ray's end a receiving point of the next level. */
+static void receive_at(Wave *wave, unsigned level, const WavePoint *from, uint32_t k, double worth,
+                       uint32_t index, uint32_t next)
+{
+    const Room *room = wave->gatherer->room;
+    const Ray  *ray = &wave->ray[k];
+    RoomHit     hit;
+    room_hit(room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
+    const Material *m = &room->materials[room->surfaces->surface[hit.surface].material];
+    wave->point[level + 1][next] = (WavePoint){
+        .at = { hit.point, hit.normal }, .root = from->root, .index = index,
+        .weight = rgb_scale(rgb_mul(from->weight, m->reflectance), worth) };
+}
+
+/* What a lamp that the ray met adds. */
+static void add_lamp(Wave *wave, unsigned level, const WavePoint *from, uint32_t k, uint32_t rays,
+                     const WaveOptions *options)
+{
+    const Gatherer *g = wave->gatherer;
+    const Ray      *ray = &wave->ray[k];
+    RoomHit         hit;
+    room_hit(g->room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
+    const Material *m = &g->room->materials[g->room->surfaces->surface[hit.surface].material];
+    const double    lamp_rays = level == 0 ? options->lamp_rays : 1;
+    const double    share = lamps_share(&g->lamps, &from->at, lamp_rays, rays, &hit);
+    add_to(wave, from, level, rgb_scale(m->emission, M_PI * share * wave->worth[k] / rays));
+}
+
 /* A ray's end: a lamp's share, then the solution, or one more receiving point. Returns how many
  * points the next level has now. */
 static uint32_t read_end(Wave *wave, unsigned level, uint32_t e, uint32_t k, uint32_t rays,
                          const WaveOptions *options, uint32_t next)
 {
-    const Gatherer *g = wave->gatherer;
-    const Room     *room = g->room;
+    const Gatherer  *g = wave->gatherer;
+    const Room      *room = g->room;
     const WavePoint *p = &wave->point[level][e / rays];
-    const Ray      *ray = &wave->ray[k];
-    RoomHit         hit;
-    room_hit(room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
-    if (hit.patch == PATCH_NONE)
+    const WaveEnd    end = wave_end(g, &wave->ray[k], &wave->hit[k]);
+    if (room->patches->first[end.side][end.surface] == PATCH_NONE)
         return next;
     const double worth = wave->worth[k] / rays;
-    const Material *material = &room->materials[room->surfaces->surface[hit.surface].material];
-    if (g->lamps.shared && room->emitting[hit.surface] >> hit.side & 1) {
-        const double lamp_rays = level == 0 ? options->lamp_rays : 1;
-        const double share = lamps_share(&g->lamps, &p->at, lamp_rays, rays, &hit);
-        add_to(wave, p, level, rgb_scale(material->emission, M_PI * share * worth));
-    }
-    const uint32_t index = p->index * rays + e % rays;
-    if (level + 1 < WAVE_LEVELS) {
-        const double chance = ramp(wave->hit[k].t, g->cell[hit.surface]);
+    if (g->lamps.shared && room->emitting[end.surface] >> end.side & 1)
+        add_lamp(wave, level, p, k, rays, options);
+    const double chance = level + 1 < WAVE_LEVELS ? ramp(wave->hit[k].t, g->cell[end.surface]) : 0;
+    if (chance > 0) {
+        const uint32_t index = p->index * rays + e % rays;
         const double luck = sampling_mix(index ^ seed_of(options->seed, SEED_RAMP, level)) * 0x1p-32;
         if (luck < chance) {
-            wave->point[level + 1][next] = (WavePoint){
-                .at = { hit.point, hit.normal }, .root = p->root, .index = index,
-                .weight = rgb_scale(rgb_mul(p->weight, material->reflectance), worth) };
+            receive_at(wave, level, p, k, worth, index, next);
             return next + 1;
         }
     }
     Rgb *sum = &wave->indirect[p->root];
-    *sum = rgb_add(*sum, rgb_scale(rgb_mul(p->weight, wave_radiosity(g, &hit)), worth));
+    *sum = rgb_add(*sum, rgb_scale(rgb_mul(p->weight, wave_radiosity(g, &end)), worth));
     return next;
 }
 
@@ -217,14 +255,11 @@ bool wave_train(Wave *wave, const Receiver *at, uint32_t count, uint32_t rays, u
         bvh_nearest_many(room->bvh, wave->ray, wave->hit, n);
         wave->rays += n;
         for (uint32_t k = 0; k < n; k++) {
-            const Ray *ray = &wave->ray[k];
-            RoomHit    hit;
             if (wave->hit[k].primitive == RAY_MISS)
                 continue;
-            room_hit(room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
-            if (hit.patch != PATCH_NONE)
-                light[cell[k][0]][cell[k][1]] +=
-                    fmax(rgb_luminance(wave_radiosity(wave->gatherer, &hit)), 0);
+            const WaveEnd end = wave_end(wave->gatherer, &wave->ray[k], &wave->hit[k]);
+            light[cell[k][0]][cell[k][1]] +=
+                rgb_luminance(wave_radiosity(wave->gatherer, &end));
         }
     }
     for (int y = 0; y < GUIDE_SIDE; y++)

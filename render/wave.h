@@ -30,6 +30,7 @@ enum {
 struct Gatherer {
     const Room *room;
     float      *vertex;  /* [3 * patches->vertex_count]  reflected radiosity */
+    float      *normal;  /* [3 * surfaces->triangle_count]  unit, to the front */
     double     *cell;    /* [surfaces->count]  edge of the surface's patches */
     Lamps       lamps;
 };
@@ -77,7 +78,15 @@ bool wave_train(Wave *wave, const Receiver *at, uint32_t count, uint32_t rays, u
 /* How far rays that leave p are moved off their surface. */
 double wave_offset(const Room *room, Vec3 p);
 
-/* Reflected radiosity of the solution at a hit; 0 on sides that take no part. */
-Rgb wave_radiosity(const Gatherer *gatherer, const RoomHit *hit);
+/* Where a ray ended, as much as the solution needs to know: less than a RoomHit, and cheaper. */
+typedef struct {
+    uint32_t surface;
+    unsigned side;
+    double   s, t;
+} WaveEnd;
+WaveEnd wave_end(const Gatherer *gatherer, const Ray *ray, const Hit *hit);
+
+/* Reflected radiosity of the solution there; 0 on sides that take no part. */
+Rgb wave_radiosity(const Gatherer *gatherer, const WaveEnd *end);
 
 #endif
