@@ -72,8 +72,8 @@ typedef struct {
 
 bool lamp_table_create(const Room *room, LampTable *lamps, Error *err);
 void lamp_table_clear(LampTable *lamps);
-/* The lamp that u in [0, 1) stands for. */
-uint32_t lamp_table_choose(const LampTable *lamps, double u);
+/* The lamp that u in [0, 1) stands for; *rest in [0, 1) is where in the lamp's range u lies. */
+uint32_t lamp_table_choose(const LampTable *lamps, double u, double *rest);
 /* Solid-angle density, seen from a point at `distance`, of choosing the direction towards the point
  * (s, t) of a lamp; `cosine` > 0 is taken at the lamp. */
 double lamp_density(const Room *room, const LampTable *lamps, uint32_t patch, double s, double t,
@@ -83,7 +83,8 @@ double lamp_density(const Room *room, const LampTable *lamps, uint32_t patch, do
 
 /* Direction rays that share one position on the patch: few, because shadow edges want many
  * positions, but more than one, because it takes several to tell that a position lies inside a
- * solid. Measured on the Cornell box, see links_cast.c. */
+ * solid. A Cornell box with 256 rays: radiosity 0.8 % off (rms), 5 %
+ * of that less with 1. */
 enum { RAYS_PER_POSITION = 4 };
 
 typedef struct {
@@ -131,8 +132,8 @@ void row_cast_run(RowCast *row, const Room *room, const LampTable *lamps, uint32
 /* A share that arrived at a patch. */
 void row_cast_add(RowCast *row, uint32_t patch, double share);
 /* Adds what the lamps' own samples find, beside `hemisphere_rays` rays of the patch itself. */
-void row_cast_lamps(RowCast *row, const Room *room, const LampTable *lamps, uint32_t seed,
-                    double hemisphere_rays);
+void row_cast_lamps(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch,
+                    uint32_t seed, double hemisphere_rays);
 
 /* --- links ------------------------------------------------------------------------------------ */
 

@@ -5,10 +5,10 @@
  * not inside other solids, A_i F_ij = A_j F_ji. Cosine-weighted rays from points all over patch i
  * (a scrambled Sobol' net in four dimensions: place and direction) estimate the row: each ray is a
  * share of 1. Patches that emit are sampled from their own side as well, with visibility rays, and
- * the two estimates are combined by the balance heuristic [veach95], so a small lamp is never left
- * to chance and a near one never blows up.
- * A sample point whose rays meet a side that takes no part (the inside of a box that stands on the
- * patch) lies inside a solid: it neither sends nor receives.
+ * the two estimates are combined by the power heuristic [veach95], so a small lamp is never left to
+ * chance and a near one never blows up.
+ * A sample point half or more of whose rays meet sides that take no part (the inside of a box that
+ * stands on the patch) lies inside a solid: it neither sends nor receives.
  * Threads  made in parallel, the same bytes for any number; a finished Links never changes.
  */
 #ifndef RADIOSITY_LINKS_H
@@ -58,8 +58,8 @@ void   links_report(const Links *links, LinksReport *report);
 bool   links_check(const Links *links);
 
 /* Enforces what must hold, as a step of its own that leaves the raw links to the caller: a new
- * Links. ROWS: each row scaled so that it and its escape sum to 1. RECIPROCITY: A_i F_ij and
- * A_j F_ji become their mean, weighted by 1/A_i and 1/A_j, the inverses of their variances (between
+ * Links. ROWS: each row scaled so that it and its escape sum to 1 (factors to lamps, which are known
+ * better, stay as they are where that is possible). RECIPROCITY: A_i F_ij and A_j F_ji become their mean, weighted by 1/A_i and 1/A_j, the inverses of their variances (between
  * a lamp and another patch: what the other found by visibility rays). BOTH: reciprocity, then one
  * factor per patch, d_i d_j, so that rows hold to 1e-7 ([sinkhorn67] in its symmetric form, found by
  * Newton's method; factors between a lamp and another patch change less, because they are known

@@ -23,17 +23,27 @@ static Links *copy(const Links *links, Error *err)
     return out;
 }
 
+static bool is_lamp(const Links *links, uint32_t i)
+{
+    return links->lamp != NULL && links->lamp[i] != 0;
+}
+
+/* Rows miss their sum because lamps' samples bring noise of their own into it. Factors to lamps are
+ * the better known part, so the others make up the difference as long as they can. */
 static void scale_rows(Links *links)
 {
     for (uint32_t i = 0; i < links->count; i++) {
-        double sum = links->escape[i];
+        double lamps = 0, others = links->escape[i];
         for (uint64_t k = links->first[i]; k < links->first[i + 1]; k++)
-            sum += links->form_factor[k];
-        if (!(sum > 0))
+            *(is_lamp(links, links->source[k]) ? &lamps : &others) += links->form_factor[k];
+        if (!(lamps + others > 0))
             continue; /* hidden inside a solid */
-        links->escape[i] = (float)fmin(links->escape[i] / sum, 1);
+        const bool keep = lamps < 1 && others > 0;
+        const double scale = keep ? (1 - lamps) / others : 1 / (lamps + others);
+        links->escape[i] = (float)fmin(links->escape[i] * scale, 1);
         for (uint64_t k = links->first[i]; k < links->first[i + 1]; k++)
-            links->form_factor[k] = (float)fmin(links->form_factor[k] / sum, 1);
+            if (!keep || !is_lamp(links, links->source[k]))
+                links->form_factor[k] = (float)fmin(links->form_factor[k] * scale, 1);
     }
 }
 

@@ -2,6 +2,7 @@
 /* radiosity/links_lamps.c -- samples taken from the lamps' own side: a small lamp, which rays of the
  * hemisphere hit by luck only, is always found, and the two kinds are combined [veach95]. */
 #include <assert.h>
+#include <float.h>
 #include <math.h>
 
 #include "base/array.h"
@@ -51,7 +52,7 @@ void lamp_table_clear(LampTable *lamps)
     *lamps = (LampTable){ 0 };
 }
 
-uint32_t lamp_table_choose(const LampTable *lamps, double u)
+uint32_t lamp_table_choose(const LampTable *lamps, double u, double *rest)
 {
     assert(lamps->count > 0 && u < 1);
     uint32_t low = 0, high = lamps->count - 1;
@@ -62,6 +63,8 @@ uint32_t lamp_table_choose(const LampTable *lamps, double u)
         else
             low = middle + 1;
     }
+    const double before = low > 0 ? lamps->cumulative[low - 1] : 0;
+    *rest = fmin(fmax((u - before) / (lamps->cumulative[low] - before), 0), 1 - DBL_EPSILON);
     return lamps->patch[low];
 }
 
@@ -93,44 +96,53 @@ double lamp_density(const Room *room, const LampTable *lamps, uint32_t patch, do
     return density_at(room, lamps, patch, point_weight(room, patch, s, t), distance, cosine);
 }
 
-/* One sample: the visibility ray, and what it carries when nothing is in the way; 0: turned away. */
-static double aim(const RowCast *row, const Room *room, const LampTable *lamps,
-                  const CastPosition *from, uint32_t lamp, const float x[4], double rays, Ray *ray)
+/* One sample: the visibility ray, and what it carries when nothing is in the way; 0: turned away.
+ * u chooses the lamp and, by what the choice leaves of it, the place along it; v the place across. */
+static double aim(RowCast *row, const Room *room, const LampTable *lamps, const PatchPoint *from,
+                  double u, double v, double rays, uint32_t *lamp, Ray *ray)
 {
     PatchPoint to;
-    patches_point(room->patches, room->surfaces, lamp, x[1], x[2], &to);
-    const Vec3 p = from->at.point.point, q = to.point.point;
+    double rest;
+    *lamp = lamp_table_choose(lamps, u, &rest);
+    patches_point(room->patches, room->surfaces, *lamp, rest, v, &to);
+    const Vec3 p = from->point.point, q = to.point.point;
     const Vec3 way = vec3_sub(q, p);
     const double distance = vec3_length(way);
-    const double here = vec3_dot(way, from->at.point.normal);
+    const double here = vec3_dot(way, from->point.normal);
     const double there = -vec3_dot(way, to.point.normal);
     if (!(here > 0 && there > 0 && distance > 2 * room->offset && to.weight > 0))
         return 0;
-    *ray = ray_between(p, from->at.point.normal, q, to.point.normal, room->offset);
+    *ray = ray_between(p, from->point.normal, q, to.point.normal, room->offset);
     const double own = here / distance / M_PI;
-    const double lamps_density =
-        density_at(room, lamps, lamp, to.weight, distance, there / distance);
-    return own / (rays * own + row->lamp_rays * lamps_density);
+    const double density = density_at(room, lamps, *lamp, to.weight, distance, there / distance);
+    const double by_rays = rays * own, by_lamps = row->lamp_rays * density;
+    return own * by_lamps / (by_rays * by_rays + by_lamps * by_lamps);
 }
 
-void row_cast_lamps(RowCast *row, const Room *room, const LampTable *lamps, uint32_t seed,
-                    double hemisphere_rays)
+/* Place and lamp are the four coordinates of one net, so that they are spread together. Only where a
+ * part of the patch is hidden, the places are those found to be outside solids. */
+void row_cast_lamps(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch,
+                    uint32_t seed, double hemisphere_rays)
 {
     assert(row->valid_count > 0 && lamps->count > 0);
+    const bool whole = row->valid_count == row->positions;
     const uint32_t first = row->keys;
     uint32_t aimed = 0;
     double weights = 0;
     for (uint32_t m = 0; m < row->lamp_rays; m++) {
-        const uint64_t place = (uint64_t)m * row->valid_count / row->lamp_rays;
-        const CastPosition *from = &row->position[row->valid[place]];
         float x[4];
+        PatchPoint from;
         sampling_sobol4(m, seed, x);
-        const uint32_t lamp = lamp_table_choose(lamps, x[0]);
-        weights += from->at.weight;
-        const double share = aim(row, room, lamps, from, lamp, x, hemisphere_rays,
+        if (whole)
+            patches_point(room->patches, room->surfaces, patch, x[0], x[1], &from);
+        else
+            from = row->position[row->valid[(uint64_t)m * row->valid_count / row->lamp_rays]].at;
+        uint32_t lamp;
+        weights += from.weight;
+        const double share = aim(row, room, lamps, &from, x[2], x[3], hemisphere_rays, &lamp,
                                  &row->ray[aimed]);
         if (share > 0) {
-            row_cast_add(row, lamp, share * from->at.weight);
+            row_cast_add(row, lamp, share * from.weight);
             aimed++;
         }
     }
