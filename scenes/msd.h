@@ -96,7 +96,9 @@ typedef struct {
 
 typedef struct {
     char    *text;
+    MsdWord  word;      /* of the language, or WORD_NONE: a name */
     uint32_t binding;   /* innermost, or MSD_NONE */
+    uint32_t group;     /* of the soup that has this name, or MSD_NONE: not asked for yet */
     unsigned materials; /* of a SURFACE's number: how many different ones were made */
 } MsdSymbol;
 

@@ -134,9 +134,11 @@ static bool name_read(MsdReader *r)
     while (is_name(p[n]))
         n++;
     r->cursor.offset += n;
-    r->token.word = msd_word(p, n);
+    if (!msd_symbol(r, p, n, &r->token.symbol))
+        return false;
+    r->token.word = r->symbols[r->token.symbol].word;
     r->token.kind = r->token.word != WORD_NONE ? TOKEN_WORD : TOKEN_NAME;
-    return r->token.kind == TOKEN_WORD || msd_symbol(r, p, n, &r->token.symbol);
+    return true;
 }
 
 /* --- strings --------------------------------------------------------------------------------- */

@@ -60,7 +60,8 @@ bool msd_symbol(MsdReader *r, const char *text, size_t length, uint32_t *symbol)
     if (copy == NULL)
         return false;
     memcpy(copy, text, length);
-    r->symbols[r->symbol_count] = (MsdSymbol){ .text = copy, .binding = MSD_NONE };
+    r->symbols[r->symbol_count] = (MsdSymbol){ .text = copy, .word = msd_word(text, length),
+                                               .binding = MSD_NONE, .group = MSD_NONE };
     *symbol = (uint32_t)r->symbol_count++;
     r->symbol_slot[slot] = *symbol + 1;
     return true;
@@ -133,21 +134,28 @@ const char *msd_kind_name(NameKind kind)
     return names[kind];
 }
 
-bool msd_named(MsdReader *r, NameKind kind, uint32_t *index)
+/* The current token is no name of that kind. */
+static bool wrong_name(MsdReader *r, NameKind kind, const MsdBinding *b)
 {
     char what[48];
 
     snprintf(what, sizeof what, "the name of %s", msd_kind_name(kind));
     if (r->token.kind != TOKEN_NAME)
         return msd_expected(r, what);
-    const MsdBinding *b = msd_lookup(r, r->token.symbol);
-    const char       *text = r->symbols[r->token.symbol].text;
+    const char *text = r->symbols[r->token.symbol].text;
     if (b == NULL)
         return msd_error(r, r->token.place, "found '%.40s', which is not declared, expected %s",
                          text, what);
-    if (b->kind != kind)
-        return msd_error(r, r->token.place, "found '%.40s', which is %s, expected %s", text,
-                         msd_kind_name(b->kind), what);
+    return msd_error(r, r->token.place, "found '%.40s', which is %s, expected %s", text,
+                     msd_kind_name(b->kind), what);
+}
+
+bool msd_named(MsdReader *r, NameKind kind, uint32_t *index)
+{
+    const MsdBinding *b = r->token.kind == TOKEN_NAME ? msd_lookup(r, r->token.symbol) : NULL;
+
+    if (b == NULL || b->kind != kind)
+        return wrong_name(r, kind, b);
     *index = (uint32_t)(b - r->bindings);
     return msd_next(r);
 }

@@ -9,8 +9,8 @@
 /* Faces of a scene: what 20 million take is some gigabytes, and no MSD file needs more but one
  * whose REFs multiply. */
 static const uint64_t OBJECTS_MAX = 20000000;
-/* Text read, repeated by REF as often as it is: minutes of reading. */
-static const uint64_t TEXT_READ_MAX = (uint64_t)1 << 32;
+/* Bytes of text read, by REF and INCLUDE again and again: half a minute of reading. */
+static const uint64_t TEXT_READ_MAX = (uint64_t)1 << 30;
 /* The same for text from memory, where a fuzzer wants an answer within milliseconds. */
 static const uint64_t OBJECTS_MAX_SMALL = 20000, TEXT_READ_MAX_SMALL = 1 << 20;
 

@@ -39,8 +39,14 @@ bool msd_group(MsdReader *r, const MsdThing *thing, uint32_t *group)
 {
     char name[48];
 
-    if (r->group != MSD_NONE)
-        return polygons_add_group(&r->scene->polygons, r->symbols[r->group].text, group, r->err);
+    if (r->group != MSD_NONE) {
+        MsdSymbol *symbol = &r->symbols[r->group];
+        if (symbol->group == MSD_NONE &&
+            !polygons_add_group(&r->scene->polygons, symbol->text, &symbol->group, r->err))
+            return false;
+        *group = symbol->group;
+        return true;
+    }
     snprintf(name, sizeof name, "%s-%u", thing->name, ++r->made[thing->word]);
     return polygons_add_group(&r->scene->polygons, name, group, r->err);
 }
