@@ -1,33 +1,54 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The invariants of a finished tree. */
+/* The invariants of a finished tree: every box holds all primitives below it, each primitive is
+ * there exactly once, nothing in the arrays is left out, and the depth is within the stack's. */
 #include <assert.h>
+#include <math.h>
 
 #include "base/array.h"
-#include "raycast/build.h"
+#include "raycast/internal.h"
+
+typedef struct {
+    double lo[3], hi[3];
+} Extent;
 
 typedef struct {
     const Bvh *bvh;
-    uint8_t   *seen; /* [triangle_count + shape_count]  bit per primitive would be smaller */
+    uint8_t   *seen; /* [triangle_count + shape_count] */
     uint64_t   primitives, nodes, groups;
 } Check;
 
-static Box node_box(const Node *node, uint32_t slot)
+static Extent extent_empty(void)
 {
-    Box box = box_empty();
-    for (int k = 0; k < 3; k++) {
-        box.lo[k] = node->plane[2 * k][slot];
-        box.hi[k] = node->plane[2 * k + 1][slot];
-    }
-    return box;
+    return (Extent){ { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
 }
 
-static bool box_holds(Box outer, const float lo[3], const float hi[3])
+static void extent_join(Extent *e, const Extent *other)
+{
+    for (int k = 0; k < 3; k++) {
+        e->lo[k] = fmin(e->lo[k], other->lo[k]);
+        e->hi[k] = fmax(e->hi[k], other->hi[k]);
+    }
+}
+
+static bool extent_holds(const Extent *outer, const Extent *inner)
 {
     for (int k = 0; k < 3; k++)
-        if (!(outer.lo[k] <= lo[k] && hi[k] <= outer.hi[k]))
+        if (!(outer->lo[k] <= inner->lo[k] && inner->hi[k] <= outer->hi[k]))
             return false;
     return true;
 }
+
+static Extent node_extent(const Node *node, uint32_t slot)
+{
+    Extent e;
+    for (int k = 0; k < 3; k++) {
+        e.lo[k] = (double)node->plane[2 * k][slot];
+        e.hi[k] = (double)node->plane[2 * k + 1][slot];
+    }
+    return e;
+}
+
+/* Each of the following adds what it found to *below. */
 
 static bool primitive_seen(Check *c, uint32_t primitive)
 {
@@ -38,7 +59,7 @@ static bool primitive_seen(Check *c, uint32_t primitive)
     return true;
 }
 
-static bool group_check(Check *c, const TriangleGroup *group, Box box)
+static bool group_check(Check *c, const TriangleGroup *group, Extent *below)
 {
     bool ended = false;
     for (uint32_t lane = 0; lane < GROUP_WIDTH; lane++) {
@@ -49,63 +70,62 @@ static bool group_check(Check *c, const TriangleGroup *group, Box box)
         if (ended || !primitive_seen(c, group->primitive[lane]))
             return false;
         for (int i = 0; i < 3; i++) {
-            const float p[3] = { group->vertex[i][0][lane], group->vertex[i][1][lane],
-                                 group->vertex[i][2][lane] };
-            if (!box_holds(box, p, p))
-                return false;
+            Extent p;
+            for (int k = 0; k < 3; k++)
+                p.lo[k] = p.hi[k] = (double)group->vertex[i][k][lane];
+            extent_join(below, &p);
         }
     }
     return group->primitive[0] != RAY_MISS;
 }
 
-static bool shape_check(Check *c, uint32_t i, Box box)
+static bool shape_check(Check *c, uint32_t i, Extent *below)
 {
     if (i >= c->bvh->shape_count)
         return false;
     Vec3 lo, hi;
     shape_bounds(&c->bvh->shape[i], &lo, &hi);
-    for (int k = 0; k < 3; k++)
-        if (!((double)box.lo[k] <= vec3_axis(lo, k) && vec3_axis(hi, k) <= (double)box.hi[k]))
-            return false;
+    const Extent bounds = { { lo.x, lo.y, lo.z }, { hi.x, hi.y, hi.z } };
+    extent_join(below, &bounds);
     return primitive_seen(c, c->bvh->triangle_count + i);
 }
 
-static bool node_check(Check *c, uint32_t index, Box box, uint32_t depth);
+static bool node_check(Check *c, uint32_t index, uint32_t depth, Extent *below);
 
-static bool child_check(Check *c, uint32_t child, Box box, uint32_t depth)
+static bool child_check(Check *c, uint32_t child, uint32_t depth, Extent *below)
 {
     const Bvh *bvh = c->bvh;
     if (child_is_shape(child))
-        return shape_check(c, child_shape_index(child), box);
+        return shape_check(c, child_shape_index(child), below);
     if (!child_is_leaf(child))
-        return node_check(c, child, box, depth + 1);
+        return node_check(c, child, depth + 1, below);
     const uint32_t first = child_group(child), count = child_group_count(child);
     if (first + count > bvh->group_count)
         return false;
     c->groups += count;
     for (uint32_t i = 0; i < count; i++)
-        if (!group_check(c, &bvh->group[first + i], box))
+        if (!group_check(c, &bvh->group[first + i], below))
             return false;
     return true;
 }
 
-static bool node_check(Check *c, uint32_t index, Box box, uint32_t depth)
+static bool node_check(Check *c, uint32_t index, uint32_t depth, Extent *below)
 {
     if (index >= c->bvh->node_count || depth > BVH_DEPTH)
         return false;
     const Node *node = &c->bvh->node[index];
     c->nodes++;
     for (uint32_t s = 0; s < NODE_WIDTH; s++) {
-        const Box inner = node_box(node, s);
+        const Extent box = node_extent(node, s);
         if (node->child[s] == CHILD_NONE) {
-            if (inner.lo[0] <= inner.hi[0])
+            if (node->plane[0][s] <= node->plane[1][s])
                 return false;
             continue;
         }
-        const float lo[3] = { inner.lo[0], inner.lo[1], inner.lo[2] };
-        const float hi[3] = { inner.hi[0], inner.hi[1], inner.hi[2] };
-        if (!box_holds(box, lo, hi) || !child_check(c, node->child[s], inner, depth))
+        Extent inside = extent_empty();
+        if (!child_check(c, node->child[s], depth, &inside) || !extent_holds(&box, &inside))
             return false;
+        extent_join(below, &inside);
     }
     return true;
 }
@@ -119,13 +139,13 @@ bool bvh_check(const Bvh *bvh)
     c.seen = array_create(total, 1, "marks of a check", &err);
     if (c.seen == NULL)
         return false;
-    Box all = box_empty();
+    Extent all = { { 0 }, { 0 } }, found = extent_empty();
     for (int k = 0; k < 3; k++) {
-        all.lo[k] = bvh->lo[k];
-        all.hi[k] = bvh->hi[k];
+        all.lo[k] = (double)bvh->lo[k];
+        all.hi[k] = (double)bvh->hi[k];
     }
-    const bool good = node_check(&c, 0, all, 1) && c.nodes == bvh->node_count
-                      && c.groups == bvh->group_count
+    const bool good = node_check(&c, 0, 1, &found) && extent_holds(&all, &found)
+                      && c.nodes == bvh->node_count && c.groups == bvh->group_count
                       && c.primitives + bvh->flat_count == total;
     array_free(c.seen);
     return good;
