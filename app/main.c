@@ -26,6 +26,8 @@ static CommandRun command_run(Command command)
         return cmd_validate;
     case COMMAND_BENCH:
         return cmd_bench;
+    case COMMAND_COMPARE:
+        return cmd_compare;
     case COMMAND_NONE:
         break;
     }

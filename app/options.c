@@ -20,7 +20,7 @@ _Static_assert(EMIT_AUTO == 0 && EMIT_FRONT == 1 && EMIT_BACK == 2 && EMIT_BOTH 
 #define FIELD(name) offsetof(Options, name)
 #define BIG 1e30
 #define ALL_BITS (COMMAND_RENDER | COMMAND_SOLVE | COMMAND_FACTORS | COMMAND_MEASURE | \
-                  COMMAND_CHECK | COMMAND_VALIDATE | COMMAND_BENCH)
+                  COMMAND_CHECK | COMMAND_VALIDATE | COMMAND_BENCH | COMMAND_COMPARE)
 /* Commands that solve, those that build patches and links, those that read a scene. */
 #define SOLVING (COMMAND_RENDER | COMMAND_SOLVE | COMMAND_MEASURE | COMMAND_BENCH)
 #define LINKING (SOLVING | COMMAND_FACTORS)
@@ -77,7 +77,7 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       NULL, "a view of your own: where the eye is" },
     { OPTION_TARGET, "--target", "X,Y,Z", COMMAND_RENDER | COMMAND_BENCH, KIND_VECTOR,
       FIELD(target), 0, 0, NULL, "what it looks at (default: the scene's middle)" },
-    { OPTION_UP, "--up", "X,Y,Z", COMMAND_RENDER | COMMAND_BENCH, KIND_VECTOR, FIELD(up), 0, 0,
+    { OPTION_UP, "--up", "X,Y,Z", SOLVING, KIND_VECTOR, FIELD(up), 0, 0,
       NULL, "what is up (default: as the file says)" },
     { OPTION_FOV, "--fov", "DEG", COMMAND_RENDER | COMMAND_BENCH, KIND_NUMBER, FIELD(fov), 0.01,
       179, NULL, "vertical field of view, whole angle" },
@@ -99,6 +99,8 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       "length of a scene unit in metres (default 1)" },
     { OPTION_FILTER, "--filter", "TEXT", COMMAND_VALIDATE, KIND_TEXT, FIELD(filter), 0, 0, NULL,
       "only cases whose name contains this" },
+    { OPTION_LAMP, "--lamp", "L", COMMAND_COMPARE, KIND_NUMBER, FIELD(lamp), 1e-30, BIG, NULL,
+      "luminance from which a pixel is lamp and left out (default 5)" },
     { OPTION_HELP, "--help", NULL, ALL_BITS, KIND_FLAG, FIELD(help), 0, 0, NULL, "this page" },
 };
 
@@ -115,7 +117,7 @@ static const struct {
 } command_names[] = {
     { COMMAND_RENDER, "render" },   { COMMAND_SOLVE, "solve" }, { COMMAND_FACTORS, "factors" },
     { COMMAND_MEASURE, "measure" }, { COMMAND_CHECK, "check" }, { COMMAND_VALIDATE, "validate" },
-    { COMMAND_BENCH, "bench" },
+    { COMMAND_BENCH, "bench" },     { COMMAND_COMPARE, "compare" },
 };
 enum { COMMAND_TOTAL = sizeof command_names / sizeof *command_names };
 
@@ -275,8 +277,6 @@ static bool parse_option(Options *options, char **argv, int argc, int *at, Error
 
 static bool options_agree(const Options *options, Error *err)
 {
-    const bool own_view = options_given(options, OPTION_TARGET) ||
-                          options_given(options, OPTION_UP);
     if (options->output != NULL && options->json != NULL && strcmp(options->output, "-") == 0 &&
         strcmp(options->json, "-") == 0)
         return error_set(err, ERROR_USAGE, "-o - and --json - cannot share standard output");
@@ -284,8 +284,10 @@ static bool options_agree(const Options *options, Error *err)
         return error_set(err, ERROR_USAGE, "give --patch-size or --patches, not both");
     if (options->camera != NULL && options_given(options, OPTION_EYE))
         return error_set(err, ERROR_USAGE, "give --camera or --eye, not both");
-    if (own_view && !options_given(options, OPTION_EYE))
-        return error_set(err, ERROR_USAGE, "--target and --up belong to --eye");
+    if (options_given(options, OPTION_TARGET) && !options_given(options, OPTION_EYE))
+        return error_set(err, ERROR_USAGE, "--target belongs to --eye");
+    if (options_given(options, OPTION_UP) && !(vec3_length(options->up) > 0))
+        return error_set(err, ERROR_USAGE, "--up must not be 0,0,0");
     return true;
 }
 
@@ -305,6 +307,9 @@ bool options_parse(Options *options, int argc, char **argv, Error *err)
                 return false;
         } else if (options->command == COMMAND_VALIDATE)
             return error_set(err, ERROR_USAGE, "validate takes no scene ('%s')", argv[i]);
+        else if (options->command == COMMAND_COMPARE && options->scene != NULL &&
+                 options->other == NULL)
+            options->other = argv[i];
         else if (options->scene != NULL)
             return error_set(err, ERROR_USAGE, "one scene at a time: '%s' and '%s'",
                              options->scene, argv[i]);
@@ -320,5 +325,7 @@ bool options_parse(Options *options, int argc, char **argv, Error *err)
     if (options->scene == NULL && !optional)
         return error_set(err, ERROR_USAGE, "which scene? isolux %s SCENE; see isolux %s --help",
                          argv[0], argv[0]);
+    if (options->command == COMMAND_COMPARE && options->other == NULL)
+        return error_set(err, ERROR_USAGE, "compare needs two pictures: the reference, then yours");
     return options_agree(options, err);
 }

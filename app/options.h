@@ -23,7 +23,8 @@ typedef enum {
     COMMAND_MEASURE = 1 << 3,
     COMMAND_CHECK = 1 << 4,
     COMMAND_VALIDATE = 1 << 5,
-    COMMAND_BENCH = 1 << 6
+    COMMAND_BENCH = 1 << 6,
+    COMMAND_COMPARE = 1 << 7
 } Command;
 
 /* The order of these is the order of the words in the option's table row. */
@@ -69,13 +70,15 @@ typedef enum {
     OPTION_UNITS,
     OPTION_UNIT_M,
     OPTION_FILTER,
+    OPTION_LAMP,
     OPTION_HELP,
     OPTION_COUNT
 } OptionId;
 
 typedef struct Options {
     Command     command;
-    const char *scene;       /* NULL: none given */
+    const char *scene;       /* NULL: none given; compare: the reference */
+    const char *other;       /* compare: the picture */
     uint64_t    given;       /* bit OptionId: it was on the command line */
     const char *output, *json, *camera, *points, *filter;
     int         quality, progress, closure, solver, by, emit, sides, units, light;
@@ -83,7 +86,7 @@ typedef struct Options {
     uint32_t    threads, seed, patches, rays, lamp_rays, max_iterations, spp, gather_rays;
     uint64_t    max_memory;  /* bytes */
     double      time_limit;  /* seconds */
-    double      patch_size, tolerance, fov, unit_m;
+    double      patch_size, tolerance, fov, unit_m, lamp;
     double      exposure;    /* EV; meaningful only when exposure_set */
     bool        exposure_set;
     int         size[2];     /* width, height */

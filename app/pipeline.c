@@ -81,6 +81,8 @@ bool pipeline_read(Pipeline *pipeline, Error *err)
     if (pipeline->scene != NULL) {
         assert(scene_check(pipeline->scene));
         scale_lights(pipeline->scene, session->options.unit_m);
+        if (options_given(&session->options, OPTION_UP))
+            pipeline->scene->up = vec3_unit(session->options.up);
     }
     pipeline_note(pipeline, STAGE_READ, begin);
     return pipeline->scene != NULL && pipeline_fits(pipeline, 0, session->options.scene, err);
@@ -124,8 +126,7 @@ static bool add_light(Pipeline *pipeline, Error *err)
                          "nothing in the scene gives light; --light ceiling hangs up a lamp");
         return true;
     }
-    if (!ceiling_light_add(pipeline->scene, pipeline->bvh, pipeline->surfaces->lo,
-                           pipeline->surfaces->hi, err))
+    if (!ceiling_light_hang(pipeline->scene, pipeline->surfaces, pipeline->bvh, err))
         return false;
     pipeline->bvh = bvh_destroy(pipeline->bvh);
     pipeline->surfaces = surfaces_destroy(pipeline->surfaces);

@@ -31,14 +31,11 @@ static bool camera_of_own(Pipeline *pipeline, Error *err)
     const Options *options = &pipeline->session->options;
     const Vec3 middle = vec3_lerp(pipeline->surfaces->lo, pipeline->surfaces->hi, 0.5);
     const bool aimed = options_given(options, OPTION_TARGET);
-    const bool upright = options_given(options, OPTION_UP);
     pipeline->camera = (Camera){ .name = "own", .eye = options->eye, .vertical_fov = OWN_FOV,
                                  .target = aimed ? options->target : middle,
-                                 .up = upright ? options->up : pipeline->scene->up };
+                                 .up = pipeline->scene->up };
     if (!(vec3_length(vec3_sub(pipeline->camera.target, options->eye)) > 0))
         return error_set(err, ERROR_USAGE, "--eye and --target are the same point");
-    if (!(vec3_length(pipeline->camera.up) > 0))
-        return error_set(err, ERROR_USAGE, "--up must not be 0,0,0");
     return true;
 }
 
@@ -55,8 +52,7 @@ bool pipeline_camera(Pipeline *pipeline, Error *err)
     else if (scene->camera_count > 0)
         pipeline->camera = scene->cameras[0];
     else
-        view_default(scene, pipeline->bvh, pipeline->surfaces->lo, pipeline->surfaces->hi,
-                     &pipeline->camera);
+        view_of_surfaces(scene, pipeline->surfaces, pipeline->bvh, &pipeline->camera);
     if (found && options->fov > 0)
         pipeline->camera.vertical_fov = options->fov;
     pipeline->has_camera = found;
