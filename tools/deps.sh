@@ -23,7 +23,10 @@ check() {
     missing=
     command -v "${CC%% *}" >/dev/null 2>&1 || missing="$missing $CC"
     command -v "${CXX%% *}" >/dev/null 2>&1 || missing="$missing $CXX"
-    if [ -z "$missing" ]; then
+    if [ -n "$missing" ]; then
+        # Nobody to ask for headers: the package list knows.
+        missing="$missing$(packages_missing | sed -E 's/\<(gcc|g\+\+)( |$)//g')"
+    else
         # One run of the preprocessor asks for all headers.
         missing=$(echo "$headers" | while read -r header package; do
             printf '#if !__has_include(<%s>)\nMISSING %s\n#endif\n' "$header" "$package"
@@ -35,16 +38,21 @@ check() {
     return 1
 }
 
+# Those of the list, and of the arguments, that dpkg does not know as installed.
+packages_missing() {
+    command -v dpkg-query >/dev/null 2>&1 || return 0
+    for package in $packages "$@"; do
+        [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] ||
+            printf ' %s' "$package"
+    done
+}
+
 install() {
     if ! command -v dpkg-query >/dev/null 2>&1 || ! command -v apt-get >/dev/null 2>&1; then
         echo "isolux: no Debian here; taking the libraries for installed" >&2
         return 0
     fi
-    missing=
-    for package in $packages "$@"; do
-        [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] ||
-            missing="$missing $package"
-    done
+    missing=$(packages_missing "$@")
     [ -z "$missing" ] && return 0
     root=
     if [ "$(id -u)" != 0 ]; then
