@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* app/json.h -- JSON written as it comes, one value after the other.
+/* app/json.h -- JSON put together one value after the other, in the order it shall have.
  *
- * Keys keep their order; numbers print so that they read back as the same double; what is not a
+ * Keys keep their order; numbers read back as the same double; what is not a
  * number becomes null; bytes that are not UTF-8 become U+FFFD, so that any file name can be told.
  */
 #ifndef APP_JSON_H
@@ -11,14 +11,18 @@
 #include <stdint.h>
 #include <stdio.h>
 
+enum { JSON_DEPTH = 16 };
+
+struct json_t;
 typedef struct {
     FILE *out;
-    int   depth;      /* open objects and arrays */
-    bool  begun;      /* the innermost one has a value already */
     bool  one_line;   /* no line breaks: for streams of objects */
+    bool  failed;     /* out of memory, or the stream took no more */
+    int   depth;      /* open objects and arrays */
+    struct json_t *open[JSON_DEPTH];
 } Json;
 
-/* key NULL: inside an array, or the outermost value. */
+/* key NULL: inside an array, or the outermost value. Closing that writes it all. */
 void json_open(Json *json, const char *key, char bracket);
 void json_close(Json *json, char bracket);
 void json_text(Json *json, const char *key, const char *value);

@@ -226,6 +226,9 @@ bool summary_finish(Summary *summary, const Session *session, Error *err)
     }
     json_close(json, ']');
     json_close(json, '}');
+    if (json->failed)
+        error_set(err, ERROR_MEMORY, "%s: the summary does not fit into memory",
+                  session->options.json);
     return outfile_commit(summary->file, err);
 }
 
