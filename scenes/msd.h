@@ -69,7 +69,9 @@ typedef struct {
     bool   active;    /* being read by a file or INCLUDE that has not ended */
 } MsdSource;
 
-typedef enum { NAME_FLOAT, NAME_VECTOR, NAME_MATRIX, NAME_OBJECT, NAME_CAMERA, NAME_SURFACE } NameKind;
+typedef enum {
+    NAME_FLOAT, NAME_VECTOR, NAME_MATRIX, NAME_OBJECT, NAME_CAMERA, NAME_SURFACE
+} NameKind;
 
 typedef struct {
     MsdPlace place;   /* where its text begins */

@@ -213,8 +213,8 @@ static bool string_byte(MsdReader *r, size_t *used)
         if (!at_end(r))
             escape_read(r, &value);
         if (value == 0 || at_end(r))
-            return msd_error(r, place, "found an escape that stands for nothing, expected one of C's"
-                                       " (\\n \\t \\\\ \\\" \\x41 ...)");
+            return msd_error(r, place, "found an escape that stands for nothing, expected one of "
+                                       "C's (\\n \\t \\\\ \\\" \\x41 ...)");
     }
     if (!array_reserve((void **)&r->string, &r->string_capacity, *used + 2, 1, "string", r->err))
         return false;

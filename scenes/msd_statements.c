@@ -27,7 +27,9 @@ static void inside_end(MsdReader *r, const Setting *outside)
     r->colour_range = outside->colour_range;
 }
 
-/* --- GROUP "name", our own word: reserved only where a string follows a name that is no matrix -- */
+/* --- GROUP "name" ---------------------------------------------------------------------------- */
+
+/* Our own word, so not reserved: a matrix of that name begins an object as any other. */
 
 static bool is_group(MsdReader *r)
 {
@@ -253,7 +255,8 @@ bool msd_file(MsdReader *r, uint32_t source, MsdWhere where)
         if (!statement(r, where))
             return false;
     if (msd_is_word(r, WORD_ENDFILE) &&
-        (!msd_next(r) || (r->token.kind != TOKEN_END && !msd_expected(r, "nothing behind ENDFILE"))))
+        (!msd_next(r) ||
+         (r->token.kind != TOKEN_END && !msd_expected(r, "nothing behind ENDFILE"))))
         return false;
     r->sources[source].active = false;
     inside_end(r, &outside);

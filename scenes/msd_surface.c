@@ -79,7 +79,8 @@ static bool transmission_read(MsdReader *r, Material *m)
         if (!msd_vector(r, &v))
             return false;
         if (v.x < 0 || v.y < 0 || v.z < 0)
-            return msd_error(r, place, "found a negative part, expected a transmission coefficient");
+            return msd_error(r, place, "found a negative part, expected a transmission "
+                                       "coefficient");
         m->transmittance = rgb(v.x, v.y, v.z);
         return index_read(r, &m->ior);
     }

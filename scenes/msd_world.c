@@ -53,7 +53,8 @@ static bool view_check(MsdReader *r, MsdPlace place, const Camera *c)
     const double length = vec3_length(ahead), up = vec3_length(c->up);
 
     if (!(length > 0 && isfinite(length)))
-        return msd_error(r, place, "the view's eye and look point are the same, expected two points");
+        return msd_error(r, place, "the view's eye and look point are the same, expected two "
+                                   "points");
     if (!(up > 0 && isfinite(up)))
         return msd_error(r, place, "the view's up direction is no direction");
     /* Two unit vectors and their cross product: some ten roundings. */

@@ -74,8 +74,8 @@ typedef struct {
     double      x, y, z;
 } Mapped;
 
-/* Where the point (1, 2, 3) comes to. Rotations are right-handed: about z by 90 degrees x goes to y,
- * about x y goes to z, about y z goes to x. */
+/* Where the point (1, 2, 3) comes to. Rotations are right-handed: about z by 90 degrees x goes to
+ * y, about x y goes to z, about y z goes to x. */
 static const Mapped mapped[] = {
     { "", 1, 2, 3 },
     { "TRANS(10, 20, 30)", 11, 22, 33 },
@@ -229,8 +229,8 @@ static void groups_have_names(void **state)
     Scene *scene = msd_scene(WHITE
         "OBJECT leg = BOX 1 (0,0,0) <1,1,1>;\n"
         "SPHERE 1 (0,0,0) 1 sphere 1 (1,0,0) 1 CYLINDER_COAT 1 (0,0,0) (0,0,1) <1>\n"
-        "BEGIN group \"T\\303\\251 \\x41\" SPHERE 1 (0,0,0) 1 BEGIN GROUP \"in\" SPHERE 1 (0,0,0) 1 "
-        "END SPHERE 1 (0,0,0) 1 REF leg END\n"
+        "BEGIN group \"T\\303\\251 \\x41\" SPHERE 1 (0,0,0) 1 BEGIN GROUP \"in\" "
+        "SPHERE 1 (0,0,0) 1 END SPHERE 1 (0,0,0) 1 REF leg END\n"
         "SPHERE 1 (0,0,0) 1 REF leg");
     static const char *const expected[] = { "sphere-1", "sphere-2", "cylinder_coat-1",
                                             "T\xc3\xa9 A", "in", "T\xc3\xa9 A", "sphere-3" };
@@ -401,9 +401,11 @@ static void allocations_may_fail(void **state)
 {
     (void)state;
     static const char text[] =
-        "FLOAT a = 1; OBJECT o = BEGIN SURFACE 2 0;(1,1,1) .5;(0,0,0) 0,1 BOX 2 (a,0,0) <1,1,1> END;\n"
+        "FLOAT a = 1;\n"
+        "OBJECT o = BEGIN SURFACE 2 0;(1,1,1) .5;(0,0,0) 0,1 BOX 2 (a,0,0) <1,1,1> END;\n"
         "CAMERA c = ( (1,0,0) (0,0,0) (0,0,1) 90 60 ); SCREEN <8,8> CAMERA c\n"
-        "ATT_POS_LIGHT (1,1,1) (0,0,0)\n" WHITE "BEGIN GROUP \"g\" CONE 1 (0,0,0) (0,0,1) 1 REF o END\n"
+        "ATT_POS_LIGHT (1,1,1) (0,0,0)\n" WHITE
+        "BEGIN GROUP \"g\" CONE 1 (0,0,0) (0,0,1) 1 REF o END\n"
         "TORUS 1 (0,0,0) <2,1>";
     bool done = false;
 

@@ -190,8 +190,8 @@ static void words_not_built_name_themselves(void **state)
 static void nesting_is_limited(void **state)
 {
     (void)state;
-    static const char *const openings[] = { "BEGIN ", "FLOAT a = (((", "FLOAT a = -", "MATRIX m = (",
-                                            "OBJECT o = BEGIN " , "DEF d " };
+    static const char *const openings[] = { "BEGIN ",      "FLOAT a = (((",     "FLOAT a = -",
+                                            "MATRIX m = (", "OBJECT o = BEGIN ", "DEF d " };
     static const char *const repeats[] = { "BEGIN ", "(", "-", "(", "OBJECT o = BEGIN ", "DEF d " };
     enum { MANY = 1000000 };
 
@@ -253,7 +253,8 @@ static void bytes_of_any_kind_end_in_a_line(void **state)
     Error err = { 0 }, other = { 0 };
 
     assert_null(scene_parse_msd("t.msd", text, sizeof text - 1, NULL, &err));
-    assert_string_equal(err.text, "t.msd:1:8: found the byte 0x00, which is no part of the language");
+    assert_string_equal(err.text,
+                        "t.msd:1:8: found the byte 0x00, which is no part of the language");
     assert_null(scene_parse_msd("t.msd", quoted, sizeof quoted - 1, NULL, &other));
     assert_string_equal(other.text, "t.msd:1:7: found a string that is not UTF-8");
 }

@@ -157,7 +157,8 @@ static void cornell_is_the_published_box(void **state)
     assert_near(total_area(p, "green-wall"), 5.592 * 5.488, 1e-12, "green wall");
     assert_near(total_area(p, "lamp") + total_area(p, "ceiling"), 5.56 * 5.592, 1e-12, "ceiling");
     const Vec3 a = corner_of(scene, 0, 0);
-    const Vec3 n = vec3_cross(vec3_sub(corner_of(scene, 0, 1), a), vec3_sub(corner_of(scene, 0, 2), a));
+    const Vec3 n = vec3_cross(vec3_sub(corner_of(scene, 0, 1), a),
+                              vec3_sub(corner_of(scene, 0, 2), a));
     assert_true(n.y < 0);
     assert_near(p->materials[p->material[0]].emission.r, 17, 0, "emission");
     assert_near(scene->cameras[0].vertical_fov, 39.3077, 1e-12, "field of view");

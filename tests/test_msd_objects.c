@@ -35,7 +35,7 @@ static const Solid solids[] = {
     { "CONE 1 (0,0,0) (0,0,4) 3", 0, 2, PI * 3 * (3 + 5), 12 * PI },
     { "CONE 1 (1,2,3) (1,6,3) 3", 0, 2, 24 * PI, 12 * PI },
     { "CYLINDER_COAT 1 (0,0,0) (0,0,5) <2>", 0, 1, 20 * PI, 40 * PI / 3 },
-    { "CYLINDER_COAT 1 (0,0,0) (0,0,4) <3, 0>", 0, 1, 15 * PI, 12 * PI }, /* base through the origin */
+    { "CYLINDER_COAT 1 (0,0,0) (0,0,4) <3, 0>", 0, 1, 15 * PI, 12 * PI },
     { "CYLINDER_COAT 1 (0,0,4) (0,0,0) <0, 3>", 0, 1, 15 * PI, 12 * PI },
     { "GEN_CYLINDER 1 (1,2,3) (1,2,8) <2>", 0, 3, 20 * PI + 8 * PI, 20 * PI },
     { "GEN_CYLINDER 1 (0,0,1) (0,4,1) <5, 2>", 0, 3, PI * (7 * 5 + 25 + 4), PI * 4 / 3 * 39 },

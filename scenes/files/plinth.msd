@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A plinth of height 1 with its foot at the origin, z up; shapes.msd includes it. Its surface 1 hides
-// the one of the including file.
+// A plinth of height 1 with its foot at the origin, z up; shapes.msd includes it. Its surface 1
+// hides the one of the including file.
 
 SURFACE 1 0 ; (0.62, 0.60, 0.57) 1 ; (0, 0, 0) 0, 1
 

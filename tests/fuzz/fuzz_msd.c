@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Any bytes as an MSD file: a scene that passes its check or one line of error, nothing left over. */
+/* Any bytes as an MSD file: a scene that passes its check or one line of error; no leaks. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
