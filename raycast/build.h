@@ -86,14 +86,14 @@ static inline Float4 box_centre(Box box)
     return sum;
 }
 
-/* --- bvh_refs.c -------------------------------------------------------------------------------- */
+/* --- bvh_refs.c ------------------------------------------------------------------------------ */
 
 /* References of all primitives but triangles without area, in order; *count of them.
  * owns   the caller frees with array_free.
  * fails  NULL; ERROR_MEMORY; ERROR_INPUT as bvh_create says. */
 Ref *refs_create(const Primitives *in, unsigned threads, uint32_t *count, Error *err);
 
-/* --- bvh_split.c ------------------------------------------------------------------------------- */
+/* --- bvh_split.c ----------------------------------------------------------------------------- */
 
 typedef struct {
     int   axis;   /* SPLIT_HALVES: cut the range in the middle, no order; SPLIT_NONE: a leaf */
@@ -127,7 +127,7 @@ void range_decide(const RefSet *set, Range *range);
  * With `spare` and a long range all threads take part; the result does not depend on how many. */
 bool range_cut(RefSet *set, const Range *range, Range *left, Range *right, Error *err);
 
-/* --- bvh_build.c ------------------------------------------------------------------------------- */
+/* --- bvh_build.c ----------------------------------------------------------------------------- */
 
 /* Fills node, group, counts and memory of *bvh; `ref` is reordered. */
 bool tree_build(Bvh *bvh, const Primitives *in, Ref *ref, uint32_t count, unsigned threads,

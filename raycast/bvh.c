@@ -19,7 +19,7 @@ static double seconds_now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* --- kernels ----------------------------------------------------------------------------------- */
+/* --- kernels --------------------------------------------------------------------------------- */
 
 typedef struct {
     const Kernel *kernel;
@@ -57,7 +57,7 @@ static const Kernel *kernel_choose(Error *err)
     return NULL;
 }
 
-/* --- the tree ---------------------------------------------------------------------------------- */
+/* --- the tree -------------------------------------------------------------------------------- */
 
 Bvh *bvh_create(const Primitives *primitives, unsigned threads, Error *err)
 {
@@ -106,7 +106,7 @@ const char *bvh_isa(const Bvh *bvh)
     return bvh->kernel->name;
 }
 
-/* --- queries ----------------------------------------------------------------------------------- */
+/* --- queries --------------------------------------------------------------------------------- */
 
 bool bvh_nearest(const Bvh *bvh, const Ray *ray, Hit *hit)
 {

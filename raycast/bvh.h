@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* raycast/bvh.h -- a tree of boxes over triangles and curved shapes: nearest hit, and who sees whom.
+/* raycast/bvh.h -- a tree of boxes over triangles and shapes: nearest hit, and who sees whom.
  *
  * Knows    base/ and math/. Primitive i is the number i: no mesh, patch or material here.
  * Units    scene units; a hit's t counts in lengths of the ray's direction.
@@ -45,7 +45,7 @@ typedef struct {
 void bvh_stats(const Bvh *bvh, BvhStats *stats);
 
 /* The kernel that walks this tree: "avx2", "sse2" or "scalar"; the best the processor has, unless
- * the environment variable ISOLUX_ISA named one when the tree was made. All give the same answers. */
+ * the environment variable ISOLUX_ISA named one when the tree was made. All answer alike. */
 const char *bvh_isa(const Bvh *bvh);
 
 /* Nearest hit: true and *hit; else false and hit->primitive = RAY_MISS.
@@ -64,7 +64,7 @@ void bvh_blocked_many(const Bvh *bvh, const Ray *ray, bool *blocked, size_t coun
 /* Invariants: boxes contain their children and primitives, each primitive is there exactly once. */
 bool bvh_check(const Bvh *bvh);
 
-/* Every primitive, no tree: what tests compare against. Same arithmetic per primitive, same ties. */
+/* Every primitive, no tree: what tests compare with. Same arithmetic per primitive, same ties. */
 bool brute_nearest(const Primitives *primitives, const Ray *ray, Hit *hit);
 bool brute_blocked(const Primitives *primitives, const Ray *ray);
 

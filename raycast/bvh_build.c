@@ -41,7 +41,7 @@ typedef struct {
     uint32_t          task_refs; /* ranges up to this many references become tasks */
 } Builder;
 
-/* --- leaves ------------------------------------------------------------------------------------ */
+/* --- leaves ---------------------------------------------------------------------------------- */
 
 static void group_clear(TriangleGroup *group)
 {
@@ -89,7 +89,7 @@ static bool leaf_build(Builder *b, const Range *r, uint32_t *child, Error *err)
     return true;
 }
 
-/* --- nodes ------------------------------------------------------------------------------------- */
+/* --- nodes ----------------------------------------------------------------------------------- */
 
 /* Cuts the largest part until there are 8, or all are leaves. */
 static bool node_parts(Builder *b, const Range *range, Range part[NODE_WIDTH], uint32_t *count,
@@ -231,7 +231,7 @@ static bool root_build(Builder *b, const Range *range, Error *err)
     return leaf_build(b, range, &node->child[0], err);
 }
 
-/* --- tasks ------------------------------------------------------------------------------------- */
+/* --- tasks ----------------------------------------------------------------------------------- */
 
 static void task_run(void *context, uint32_t begin, uint32_t end, unsigned worker)
 {

@@ -49,7 +49,7 @@ static bool may_be_leaf(const RefSet *set, const Range *r)
     return true;
 }
 
-/* --- bins -------------------------------------------------------------------------------------- */
+/* --- bins ------------------------------------------------------------------------------------ */
 
 /* How middles are mapped to bins; an axis without extent has scale 0. */
 typedef struct {
@@ -133,7 +133,7 @@ static bool bins_fill_parallel(Bins *bins, const BinMap *map, const Ref *ref, ui
     return true;
 }
 
-/* --- the decision ------------------------------------------------------------------------------ */
+/* --- the decision ---------------------------------------------------------------------------- */
 
 /* The cheapest cut along one axis: its cost is the sum over both sides of surface * groups. */
 static float cheapest_on_axis(const Bins *bins, int axis, int count, int *cut)
@@ -201,7 +201,7 @@ void range_decide(const RefSet *set, Range *range)
         range->split.axis = SPLIT_NONE;
 }
 
-/* --- the cut ----------------------------------------------------------------------------------- */
+/* --- the cut --------------------------------------------------------------------------------- */
 
 typedef struct {
     Box box, centre;

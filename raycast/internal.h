@@ -34,7 +34,7 @@ typedef struct {
 /* Primitive numbers stay below 2^31: the sign bit marks the unused lanes of a group. */
 #define PRIMITIVES_MAX (UINT32_C(1) << 31)
 
-/* --- references to children -------------------------------------------------------------------- */
+/* --- references to children ------------------------------------------------------------------ */
 
 #define CHILD_NONE UINT32_MAX
 #define CHILD_LEAF (UINT32_C(1) << 31)
@@ -46,13 +46,13 @@ static inline uint32_t child_triangles(uint32_t first_group, uint32_t groups)
     return CHILD_LEAF | (groups - 1) << 27 | first_group;
 }
 static inline uint32_t child_shape(uint32_t shape) { return CHILD_SHAPE | shape; }
-static inline bool     child_is_leaf(uint32_t child) { return (child & CHILD_LEAF) != 0; }
-static inline bool     child_is_shape(uint32_t child) { return (child & CHILD_SHAPE) == CHILD_SHAPE; }
+static inline bool child_is_leaf(uint32_t child) { return (child & CHILD_LEAF) != 0; }
+static inline bool child_is_shape(uint32_t child) { return child >> 30 == 3; }
 static inline uint32_t child_group(uint32_t child) { return child & ((UINT32_C(1) << 27) - 1); }
 static inline uint32_t child_group_count(uint32_t child) { return (child >> 27 & 7) + 1; }
 static inline uint32_t child_shape_index(uint32_t child) { return child & ~CHILD_SHAPE; }
 
-/* --- the tree ---------------------------------------------------------------------------------- */
+/* --- the tree -------------------------------------------------------------------------------- */
 
 /* Free choice of the split for the first 32 levels, halves after that: 2^32 primitives fit. Each
  * level leaves at most 7 more entries behind; a node may write 8 before it counts. */

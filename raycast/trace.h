@@ -2,16 +2,19 @@
 /* raycast/trace.h -- the walk through the tree, compiled once per instruction set.
  *
  * The file that includes this defines before:
- *   node_push      tests a node's boxes; *next is the first child to visit or CHILD_NONE; writes the
- *                  nearer end and the reference of the others that are hit to near[] and child[],
- *                  far ones first, and returns how many; may write 8 of each
+ *   node_push      tests a node's boxes; *next is the first child to visit or CHILD_NONE; of the
+ *                  others that are hit, writes the nearer end and the reference to near[] and
+ *                  child[], far ones first, and returns how many; may write 8 of each
  *   group_test     offers the triangles of a group to *best, as probe_triangle would each of them;
  *                  whether one was taken
  * and KERNEL, the name of the table to make.
  */
 #include "raycast/probe.h"
 
-static inline __attribute__((always_inline)) bool leaf_trace(const Bvh *bvh, const Ray *ray, const Probe *p, uint32_t leaf,
+/* Copies for both values of `any` are wanted, so inlining is not left to the compiler. */
+#define ALWAYS_INLINE static inline __attribute__((always_inline))
+
+ALWAYS_INLINE bool leaf_trace(const Bvh *bvh, const Ray *ray, const Probe *p, uint32_t leaf,
                               bool any, Best *best)
 {
     if (child_is_shape(leaf)) {
@@ -30,7 +33,7 @@ static inline __attribute__((always_inline)) bool leaf_trace(const Bvh *bvh, con
 }
 
 /* The nearest hit, or with `any` the first that turns up. */
-static inline __attribute__((always_inline)) Best tree_trace(const Bvh *bvh, const Ray *ray, bool any)
+ALWAYS_INLINE Best tree_trace(const Bvh *bvh, const Ray *ray, bool any)
 {
     Probe p;
     probe_init(&p, ray, bvh->lo, bvh->hi);

@@ -1,0 +1,360 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The tree of boxes: answers known in advance, rays and scenes at the limits, threads, bad input,
+ * memory that runs out. */
+#include "tests/ray_scenes.h"
+
+#define TRIANGLES_MANY 200000u
+
+/* --- answers known in advance ---------------------------------------------------------------- */
+
+static void one_triangle(void **state)
+{
+    (void)state;
+    Scene *s = scene_create(1);
+    add_triangle(s, vec3(0, 0, 2), vec3(4, 0, 2), vec3(0, 4, 2));
+    Trees trees = trees_create(&s->in);
+    /* A hit's t is 2 / d_z; its weights are x / 4 and y / 4 there. Exact in float. */
+    static const struct {
+        Ray   ray;
+        bool  hit;
+        float t, u, v;
+    } table[] = {
+        { { 1, 2, 0, 0, 0, 0, 1, INFINITY }, true, 2, 0.25f, 0.5f },
+        { { 1, 2, 4, 0, 0, 0, -4, INFINITY }, true, 0.5f, 0.25f, 0.5f },
+        { { 0, 0, 0, 0, 1, 1, 2, INFINITY }, true, 1, 0.25f, 0.25f },
+        { { 0, 0, 0, 0, 0, 0, 1, INFINITY }, true, 2, 0, 0 },           /* corner 0 */
+        { { 4, 0, 0, 0, 0, 0, 1, INFINITY }, true, 2, 1, 0 },           /* corner 1 */
+        { { 2, 2, 0, 0, 0, 0, 1, INFINITY }, true, 2, 0.5f, 0.5f },     /* on an edge */
+        { { 2.001f, 2, 0, 0, 0, 0, 1, INFINITY }, false, 0, 0, 0 },
+        { { -1e-6f, 2, 0, 0, 0, 0, 1, INFINITY }, false, 0, 0, 0 },
+        { { 1, 1, 0, 0, 0, 0, -1, INFINITY }, false, 0, 0, 0 },         /* behind */
+        { { 1, 1, 0, 0, 0, 0, 1, 2 }, false, 0, 0, 0 },                 /* t < t_max, strictly */
+        { { 1, 1, 0, 0, 0, 0, 1, 2.000001f }, true, 2, 0.25f, 0.25f },
+        { { 1, 1, 0, 2, 0, 0, 1, INFINITY }, false, 0, 0, 0 },          /* t > t_min, strictly */
+        { { 1, 1, 0, 1.999999f, 0, 0, 1, INFINITY }, true, 2, 0.25f, 0.25f },
+        { { 1, 1, 2, 0, 0, 0, 1, INFINITY }, false, 0, 0, 0 },          /* starts on it */
+        { { -1, 1, 2, 0, 1, 0, 0, INFINITY }, false, 0, 0, 0 },         /* in its plane */
+        { { 1, 2, 0, 0, 0, 0, 0x1p-120f, INFINITY }, true, 0x1p121f, 0.25f, 0.5f },
+        { { 1, 2, 0, 0, 0, 0, 0x1p-128f, 0x1p-1f }, false, 0, 0, 0 },   /* denormal, too short */
+        { { 1, 2, 2 - 0x1p-10f, 0, 0, 0, 0x1p-130f, INFINITY }, true, 0x1p120f, 0.25f, 0.5f },
+        { { 1, 2, 0, 0, 0, 0, 0x1p-128f, INFINITY }, false, 0, 0, 0 },  /* t is no float */
+        { { 1, 2, 0, 0, 0, 0, 0x1p100f, 1 }, true, 0x1p-99f, 0.25f, 0.5f },
+    };
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        compare_ray(&s->in, &trees, &table[i].ray);
+        Hit hit;
+        const bool found = bvh_nearest(trees.bvh[0], &table[i].ray, &hit);
+        const Hit want = { table[i].t, table[i].u, table[i].v, 0 };
+        if (found != table[i].hit || (found && memcmp(&hit, &want, sizeof hit) != 0))
+            show_ray("one triangle", &table[i].ray, &want, &hit);
+        assert_int_equal(found, table[i].hit);
+        if (found)
+            assert_memory_equal(&hit, &want, sizeof hit);
+    }
+    trees_destroy(&trees);
+    scene_destroy(s);
+}
+
+/* A sphere of radius 2 about (0, 0, 5) seen from the origin and from its centre. */
+static void one_sphere(void **state)
+{
+    (void)state;
+    Error err = { 0 };
+    Scene *s = scene_create(0);
+    const Affine map = { { 2, 0, 0 }, { 0, 2, 0 }, { 0, 0, 2 }, { 0, 0, 5 } };
+    assert_true(shape_init(&s->shape[0], SHAPE_SPHERE, 0, &map, &err));
+    s->in.shape_count = 1;
+    Trees trees = trees_create(&s->in);
+    Hit hit;
+    assert_true(bvh_nearest(trees.bvh[0], &(Ray){ 0, 0, 0, 0, 0, 0, 1, INFINITY }, &hit));
+    assert_int_equal(hit.primitive, 0);
+    assert_true(hit.t == 3);
+    assert_true(bvh_nearest(trees.bvh[0], &(Ray){ 0, 0, 5, 0, 0, 0.5f, 0, INFINITY }, &hit));
+    assert_true(hit.t == 4);
+    assert_false(bvh_nearest(trees.bvh[0], &(Ray){ 0, 0, 0, 0, 0, 0, 1, 3 }, &hit));
+    assert_true(bvh_nearest(trees.bvh[0], &(Ray){ 0, 0, 0, 3, 0, 0, 1, 8 }, &hit));
+    assert_true(hit.t == 7);
+    assert_int_equal(hit.primitive, 0);
+    trees_destroy(&trees);
+    scene_destroy(s);
+}
+
+/* Along the floor into the wall: the floor is edge-on, the wall is hit on its lower edge. */
+static void edge_on(void **state)
+{
+    (void)state;
+    Scene *s = scene_create(4);
+    add_quad(s, vec3(0, 0, 0), vec3(1, 0, 0), vec3(1, 0, 1), vec3(0, 0, 1));
+    add_quad(s, vec3(1, 0, 0), vec3(1, 1, 0), vec3(1, 1, 1), vec3(1, 0, 1));
+    Trees trees = trees_create(&s->in);
+    const Ray along = { 0, 0, 0.5f, 0, 1, 0, 0, INFINITY };
+    compare_ray(&s->in, &trees, &along);
+    Hit hit;
+    assert_true(bvh_nearest(trees.bvh[0], &along, &hit));
+    assert_true(hit.t == 1);
+    assert_in_range(hit.primitive, 2, 3);
+    trees_destroy(&trees);
+    scene_destroy(s);
+}
+
+/* Equal t: the smaller number, wherever it stands in the tree. */
+static void ties_go_to_the_smaller(void **state)
+{
+    (void)state;
+    const uint32_t copies = 5000 / SLOWER;
+    Scene *s = scene_create(2 * copies);
+    Random r = { 8 };
+    for (uint32_t i = 0; i < copies; i++) {
+        const double x = floor(random_unit(&r) * 8);
+        add_triangle(s, vec3(x, 0, 1), vec3(x + 1, 0, 1), vec3(x, 1, 1));
+        add_triangle(s, vec3(x, 1, 1), vec3(x + 1, 0, 1), vec3(x + 1, 1, 1));
+    }
+    Trees trees = trees_create(&s->in);
+    for (uint32_t i = 0; i < 300 / SLOWER + 10; i++) {
+        const Ray ray = ray_of(vec3(random_unit(&r) * 8, random_unit(&r), 0), vec3(0, 0, 1), 0,
+                               INFINITY);
+        compare_ray(&s->in, &trees, &ray);
+    }
+    /* A corner that eight columns share is hit at t = 1 by all around it. */
+    for (int x = 0; x <= 8; x++) {
+        const Ray ray = ray_of(vec3(x, 1, 0), vec3(0, 0, 1), 0, INFINITY);
+        compare_ray(&s->in, &trees, &ray);
+    }
+    trees_destroy(&trees);
+    scene_destroy(s);
+}
+
+static void flat_triangles_are_never_hit(void **state)
+{
+    (void)state;
+    Scene *s = scene_create(100);
+    Random r = { 17 };
+    for (int i = 0; i < 90; i++) {
+        const Vec3 p = random_cube(&r), q = random_cube(&r);
+        if (i % 3 == 0)
+            add_triangle(s, p, p, q);
+        else if (i % 3 == 1)
+            add_triangle(s, p, p, p);
+        else
+            add_triangle(s, vec3(i, 0, 0), vec3(i + 1, 1, 1), vec3(i + 3, 3, 3));
+    }
+    Trees empty = trees_create(&s->in);
+    BvhStats stats;
+    bvh_stats(empty.bvh[0], &stats);
+    assert_int_equal(stats.triangles, 90);
+    for (int i = 0; i < 1000; i++) {
+        const Ray ray = random_ray(s, &r, vec3(0, 0, 0), 1);
+        assert_false(bvh_blocked(empty.bvh[0], &ray));
+        compare_ray(&s->in, &empty, &ray);
+    }
+    trees_destroy(&empty);
+    add_triangle(s, vec3(-9, -9, 2), vec3(9, -9, 2), vec3(0, 9, 2));
+    Trees trees = trees_create(&s->in);
+    Hit hit;
+    assert_true(bvh_nearest(trees.bvh[0], &(Ray){ 0, 0, 0, 0, 0, 0, 1, INFINITY }, &hit));
+    assert_int_equal(hit.primitive, 90);
+    trees_destroy(&trees);
+    scene_destroy(s);
+}
+
+static void nothing_is_a_valid_tree(void **state)
+{
+    (void)state;
+    const Primitives nothing = { 0 };
+    Trees trees = trees_create(&nothing);
+    for (int k = 0; k < KERNELS; k++) {
+        Hit hit;
+        if (trees.bvh[k] == NULL)
+            continue;
+        assert_false(bvh_nearest(trees.bvh[k], &(Ray){ 0, 0, 0, 0, 1, 0, 0, INFINITY }, &hit));
+        assert_int_equal(hit.primitive, RAY_MISS);
+        assert_false(bvh_blocked(trees.bvh[k], &(Ray){ 0, 0, 0, 0, 1, 0, 0, INFINITY }));
+    }
+    trees_destroy(&trees);
+    assert_null(bvh_destroy(NULL));
+}
+
+static void bad_rays_miss(void **state)
+{
+    (void)state;
+    Scene *s = ball_create(1, vec3(0, 0, 0), 1);
+    add_shape(s, SHAPE_SPHERE, 0, vec3(0, 0, 0), 3);
+    Trees trees = trees_create(&s->in);
+    static const float bad[] = { NAN, INFINITY, -INFINITY };
+    for (int b = 0; b < 3; b++)
+        for (int k = 0; k < 6; k++) {
+            float c[6] = { 0.1f, 0.2f, 0.1f, 0.3f, 0.5f, 0.8f };
+            c[k] = bad[b];
+            const Ray ray = { c[0], c[1], c[2], 0, c[3], c[4], c[5], INFINITY };
+            Hit hit;
+            assert_false(brute_nearest(&s->in, &ray, &hit));
+            compare_ray(&s->in, &trees, &ray);
+        }
+    const Ray still = { 0, 0, 0, 0, 0, -0.0f, 0, INFINITY };
+    const Ray far = { 0x1p60f, 0, 0, 0, -1, 0, 0, INFINITY };
+    const Ray no_range = { 0, 0, 0, 0, 1, 0, 0, NAN };
+    const Ray *ray[] = { &still, &far, &no_range };
+    for (int i = 0; i < 3; i++) {
+        assert_false(brute_blocked(&s->in, ray[i]));
+        compare_ray(&s->in, &trees, ray[i]);
+    }
+    trees_destroy(&trees);
+    scene_destroy(s);
+}
+
+/* --- many rays, threads, bad input, memory --------------------------------------------------- */
+
+static void many_equal_single(void **state)
+{
+    (void)state;
+    enum { COUNT = 1003 };
+    static Ray ray[COUNT];
+    static Hit hit[COUNT];
+    static bool blocked[COUNT];
+    Scene *s = soup_create(300, 0.2, 5);
+    Trees trees = trees_create(&s->in);
+    Random r = { 6 };
+    for (int i = 0; i < COUNT; i++)
+        ray[i] = random_ray(s, &r, vec3(0, 0, 0), 1.5);
+    ray[7].dx = NAN;
+    for (int k = 0; k < KERNELS; k++) {
+        if (trees.bvh[k] == NULL)
+            continue;
+        bvh_nearest_many(trees.bvh[k], ray, hit, COUNT);
+        bvh_blocked_many(trees.bvh[k], ray, blocked, COUNT);
+        bvh_nearest_many(trees.bvh[k], NULL, NULL, 0);
+        for (int i = 0; i < COUNT; i++) {
+            Hit one;
+            assert_int_equal(bvh_nearest(trees.bvh[k], &ray[i], &one), blocked[i]);
+            assert_memory_equal(&one, &hit[i], sizeof one);
+        }
+    }
+    trees_destroy(&trees);
+    scene_destroy(s);
+}
+
+/* Large enough for tasks and for cuts by all threads. */
+static void threads_make_the_same_tree(void **state)
+{
+    (void)state;
+    Scene *s = soup_create(TRIANGLES_MANY, 0.01, 12);
+    add_shape(s, SHAPE_TORUS, 0.3, vec3(0, 0, 0.6), 0.5);
+    Error err = { 0 };
+    Bvh *one = bvh_create(&s->in, 1, &err);
+    assert_non_null(one);
+    assert_true(bvh_check(one));
+    for (unsigned threads = 2; threads <= 5; threads += 3) {
+        Bvh *more = bvh_create(&s->in, threads, &err);
+        assert_non_null(more);
+        assert_int_equal(more->node_count, one->node_count);
+        assert_int_equal(more->group_count, one->group_count);
+        assert_memory_equal(more->node, one->node, one->node_count * sizeof *one->node);
+        assert_memory_equal(more->group, one->group, one->group_count * sizeof *one->group);
+        bvh_destroy(more);
+    }
+    Random r = { 13 };
+    for (uint32_t i = 0; i < 40; i++) {
+        const Ray ray = random_ray(s, &r, vec3(0, 0, 0), 1.5);
+        Hit got, want;
+        assert_int_equal(bvh_nearest(one, &ray, &got), brute_nearest(&s->in, &ray, &want));
+        assert_int_equal(got.primitive, want.primitive);
+    }
+    bvh_destroy(one);
+    scene_destroy(s);
+}
+
+/* Each triangle half as large as the one before: cuts take off one at a time; the tree's depth
+ * (checked by bvh_check) must stay within the stack. */
+static void deep_trees_stay_in_bounds(void **state)
+{
+    (void)state;
+    Scene *s = scene_create(4000);
+    for (int i = 0; i < 4000; i++) {
+        const double x = ldexp(1, -(i % 100));
+        add_triangle(s, vec3(x, 0, 0), vec3(x, x, 0), vec3(x, 0, x));
+    }
+    Trees trees = trees_create(&s->in);
+    Random r = { 1 };
+    for (uint32_t i = 0; i < 2000 / SLOWER; i++) {
+        const Ray ray = random_ray(s, &r, vec3(0, 0, 0), 0.5);
+        compare_ray(&s->in, &trees, &ray);
+    }
+    trees_destroy(&trees);
+    scene_destroy(s);
+}
+
+static void expect_error(const Primitives *in, ErrorCode code, const char *text)
+{
+    Error err = { 0 };
+    const long live = array_live();
+    assert_null(bvh_create(in, 2, &err));
+    assert_int_equal(err.code, code);
+    assert_non_null(strstr(err.text, text));
+    assert_int_equal(array_live(), live);
+}
+
+static void bad_input_is_told(void **state)
+{
+    (void)state;
+    Scene *s = soup_create(70000, 0.1, 2);
+    s->corner[3 * 60000] = s->in.vertex_count;
+    s->corner[3 * 65000] = UINT32_MAX;
+    expect_error(&s->in, ERROR_INPUT, "triangle 60000 names vertex 210000 of 210000");
+    s->corner[3 * 60000] = s->corner[3 * 65000] = 0;
+    static const double bad[] = { NAN, INFINITY, 1e300 };
+    for (int i = 0; i < 3; i++) {
+        s->position[30000].y = bad[i];
+        expect_error(&s->in, ERROR_INPUT, "vertex 30000");
+    }
+    s->position[30000].y = 0;
+    setenv("ISOLUX_ISA", "z80", 1);
+    expect_error(&s->in, ERROR_USAGE, "z80");
+    unsetenv("ISOLUX_ISA");
+    Error earlier = { .code = ERROR_FAILED };
+    assert_null(bvh_create(&s->in, 1, &earlier));
+    scene_destroy(s);
+}
+
+/* Every allocation fails once; for the large scene, every one of a sample. */
+static void memory_failures_leave_nothing(void **state)
+{
+    (void)state;
+    for (int large = 0; large < 2; large++) {
+        Scene *s = soup_create(large ? 140000 : 3000, 0.02, 3);
+        const long live = array_live();
+        Bvh *bvh = NULL;
+        for (long n = 0; bvh == NULL; n += large ? 1 + 2 * n : 1) {
+            Error err = { 0 };
+            array_fail_after(n);
+            bvh = bvh_create(&s->in, 2, &err);
+            array_fail_after(-1);
+            if (bvh == NULL) {
+                assert_int_equal(err.code, ERROR_MEMORY);
+                assert_int_equal(array_live(), live);
+            }
+        }
+        assert_true(bvh_check(bvh));
+        bvh_destroy(bvh);
+        assert_int_equal(array_live(), live);
+        scene_destroy(s);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_triangle),
+        cmocka_unit_test(one_sphere),
+        cmocka_unit_test(edge_on),
+        cmocka_unit_test(ties_go_to_the_smaller),
+        cmocka_unit_test(flat_triangles_are_never_hit),
+        cmocka_unit_test(nothing_is_a_valid_tree),
+        cmocka_unit_test(bad_rays_miss),
+        cmocka_unit_test(many_equal_single),
+        cmocka_unit_test(threads_make_the_same_tree),
+        cmocka_unit_test(deep_trees_stay_in_bounds),
+        cmocka_unit_test(bad_input_is_told),
+        cmocka_unit_test(memory_failures_leave_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
