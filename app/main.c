@@ -52,6 +52,7 @@ static int run(Session *session)
     int code = 0;
     output_probe(session->options.json, &err);
     output_probe(session->options.output, &err);
+    progress_begin(&session->printer);
     if (!error_is_set(&err))
         command_run(session->options.command)(&pipeline, &code, &err);
     progress_clear(&session->printer);

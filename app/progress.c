@@ -4,6 +4,7 @@
 
 #include <assert.h>
 #include <math.h>
+#include <signal.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <time.h>
@@ -35,13 +36,22 @@ void progress_init(ProgressPrinter *printer, ProgressStyle style)
     const double now = progress_now();
     *printer = (ProgressPrinter){ .style = style, .start = now, .stage_start = now, .last = now };
     printer->live = style == PROGRESS_AUTO && isatty(STDERR_FILENO) == 1;
+    pthread_mutex_init(&printer->lock, NULL);
+    pthread_cond_init(&printer->wake, NULL);
 }
 
-void progress_clear(ProgressPrinter *printer)
+static void clear_line(ProgressPrinter *printer)
 {
     if (printer->shown)
         fputs("\r\033[K", stderr);
     printer->shown = false;
+}
+
+void progress_clear(ProgressPrinter *printer)
+{
+    pthread_mutex_lock(&printer->lock);
+    clear_line(printer);
+    pthread_mutex_unlock(&printer->lock);
 }
 
 static void show_json(const ProgressPrinter *printer, const Progress *progress, double now,
@@ -85,20 +95,16 @@ static void show_text(ProgressPrinter *printer, const Progress *progress, double
     fflush(stderr);
 }
 
-void progress_show(ProgressPrinter *printer, const Progress *progress)
+/* Prints when it is time to; the lock is held. */
+static void show(ProgressPrinter *printer, bool new_stage)
 {
-    assert(printer != NULL && progress != NULL && progress->stage != NULL);
     const double now = progress_now();
-    const bool new_stage = strncmp(printer->stage, progress->stage, sizeof printer->stage - 1) != 0;
+    const Progress *progress = &printer->now;
     double wait = printer->live ? LIVE_SECONDS : LINE_SECONDS;
-    if (new_stage) {
-        snprintf(printer->stage, sizeof printer->stage, "%s", progress->stage);
-        printer->stage_start = now;
-    }
     if (printer->style == PROGRESS_JSON)
         wait = JSON_SECONDS;
     const bool each_stage = printer->style == PROGRESS_PLAIN || printer->style == PROGRESS_JSON;
-    if (printer->style == PROGRESS_NONE ||
+    if (printer->style == PROGRESS_NONE || progress->stage == NULL ||
         (now - printer->last < wait && !(new_stage && each_stage)))
         return;
     printer->last = now;
@@ -109,4 +115,63 @@ void progress_show(ProgressPrinter *printer, const Progress *progress)
         show_json(printer, progress, now, left);
     else
         show_text(printer, progress, now, left);
+}
+
+void progress_show(ProgressPrinter *printer, const Progress *progress)
+{
+    assert(printer != NULL && progress != NULL && progress->stage != NULL);
+    pthread_mutex_lock(&printer->lock);
+    const bool new_stage = strncmp(printer->stage, progress->stage, sizeof printer->stage - 1) != 0;
+    if (new_stage) {
+        snprintf(printer->stage, sizeof printer->stage, "%s", progress->stage);
+        printer->stage_start = progress_now();
+    }
+    printer->now = *progress;
+    printer->now.stage = printer->stage;
+    show(printer, new_stage);
+    pthread_mutex_unlock(&printer->lock);
+}
+
+/* Looks once a second whether a line is due. */
+static void *beat(void *context)
+{
+    ProgressPrinter *printer = context;
+    pthread_mutex_lock(&printer->lock);
+    while (!printer->ending) {
+        struct timespec until;
+        clock_gettime(CLOCK_REALTIME, &until);
+        until.tv_sec++;
+        pthread_cond_timedwait(&printer->wake, &printer->lock, &until);
+        if (!printer->ending)
+            show(printer, false);
+    }
+    pthread_mutex_unlock(&printer->lock);
+    return NULL;
+}
+
+void progress_begin(ProgressPrinter *printer)
+{
+    assert(!printer->beating);
+    if (printer->style == PROGRESS_NONE)
+        return;
+    /* Signals are for the main thread, so that a sleeping one does not swallow them. */
+    sigset_t all, old;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &old);
+    printer->beating = pthread_create(&printer->heart, NULL, beat, printer) == 0;
+    pthread_sigmask(SIG_SETMASK, &old, NULL);
+}
+
+void progress_end(ProgressPrinter *printer)
+{
+    pthread_mutex_lock(&printer->lock);
+    clear_line(printer);
+    printer->ending = true;
+    pthread_cond_signal(&printer->wake);
+    pthread_mutex_unlock(&printer->lock);
+    if (printer->beating)
+        pthread_join(printer->heart, NULL);
+    printer->beating = false;
+    pthread_cond_destroy(&printer->wake);
+    pthread_mutex_destroy(&printer->lock);
 }

@@ -78,6 +78,7 @@ void session_init(Session *session, const Options *options)
 
 void session_clear(Session *session)
 {
+    progress_end(&session->printer);
     for (size_t i = 0; i < session->warning_count; i++) {
         array_free(session->warnings[i].code);
         array_free(session->warnings[i].where);
