@@ -121,13 +121,17 @@ void gather_irradiance(const Gatherer *gatherer, Vec3 point, Vec3 normal, uint32
     const uint32_t each = rays > SCRAMBLINGS ? rays / SCRAMBLINGS : 1;
     double         first = 0, mean = 0, square = 0;
     Wave           wave;
+    Guides         guides;
     wave.gatherer = gatherer;
     wave.rays = 0;
     *out = (Irradiance){ 0 };
+    guides_train(&guides, &wave, &at, &(double){ gatherer->room->patches->size }, 1, rays,
+                 sampling_seed(seed, SCRAMBLINGS, 0, 0));
     for (uint32_t k = 0; k < SCRAMBLINGS; k++) {
         const WaveOptions options = { .gather_rays = each, .lamp_rays = each > 4 ? each / 4 : 1,
-                                      .seed = sampling_seed(seed, k, 0, 0) };
-        wave.point[0][0] = (WavePoint){ .at = at };
+                                      .seed = sampling_seed(seed, k, 0, 0),
+                                      .guides = &guides };
+        wave.point[0][0] = (WavePoint){ .at = at, .guide = guides_find(&guides, &at) };
         wave_gather(&wave, 1, &options);
         out->direct = rgb_mad(out->direct, 1.0 / SCRAMBLINGS, wave.direct[0]);
         out->indirect = rgb_mad(out->indirect, 1.0 / SCRAMBLINGS, wave.indirect[0]);

@@ -16,6 +16,7 @@
 #include "render/wave.h"
 
 enum { TILE = 16, BOUNCES = 8 };
+static_assert(TILE * TILE <= GUIDES_POINTS, "the centres of a tile are what guides are trained for");
 enum { SEED_PIXEL = 100, SEED_SPECULAR, SEED_WAVE = 200 }; /* + bounce for the last */
 
 static const double PI = 3.14159265358979323846;
@@ -37,24 +38,11 @@ typedef struct {
     struct Worker       *worker;  /* [threads] */
 } Render;
 
-/* Points of a tile that lie side by side on one plane, nearly, and share a guide. */
-typedef struct {
-    Receiver first;   /* its first member */
-    double   reach;   /* how far off its plane members may be */
-    uint32_t members; /* pixel centres */
-    bool     trained;
-    Guide    guide;
-} Cluster;
-
-enum { CLUSTERS = 4 }; /* of a tile; whatever fits in none goes unguided */
-
 typedef struct Worker {
     Wave     wave;
-    Cluster  cluster[CLUSTERS];
-    unsigned clusters;
+    Guides   guides;
     Receiver centre[TILE * TILE]; /* what the pixels' centres show */
-    uint8_t  owner[TILE * TILE];  /* their clusters; CLUSTERS: none */
-    Receiver member[TILE * TILE];
+    double   reach[TILE * TILE];  /* about the tile's width there */
     EyeRay  eye[WAVE_POINTS];
     Ray     ray[WAVE_POINTS];
     Hit     hit[WAVE_POINTS];
@@ -74,73 +62,6 @@ static Ray eye_ray(const CameraRays *camera, double x, double y)
                   .oz = (float)camera->eye.z, .t_min = 0, .dx = (float)d.x, .dy = (float)d.y,
                   .dz = (float)d.z, .t_max = INFINITY };
 }
-
-/* --- guides ---------------------------------------------------------------------------------- */
-
-/* Normals of one cluster are within 18 degrees. */
-static const double CLUSTER_COSINE = 0.95;
-
-/* Fewer centres than this are not worth a guide; a guide is learnt with this share of the rays it
- * will serve, within limits: some per cell, and no more than make it better. */
-enum { MEMBERS_MIN = 16, TRAIN_SHARE = 16, TRAIN_MIN = 2 * GUIDE_SIDE * GUIDE_SIDE,
-       TRAIN_MAX = 16 * GUIDE_SIDE * GUIDE_SIDE };
-
-static bool belongs(const Cluster *cluster, const Receiver *at)
-{
-    return vec3_dot(cluster->first.normal, at->normal) > CLUSTER_COSINE &&
-           fabs(vec3_dot(vec3_sub(at->point, cluster->first.point), cluster->first.normal)) <
-               cluster->reach;
-}
-
-static const Guide *guide_for(const Worker *worker, const Receiver *at)
-{
-    for (unsigned i = 0; i < worker->clusters; i++)
-        if (worker->cluster[i].trained && belongs(&worker->cluster[i], at))
-            return &worker->cluster[i].guide;
-    return NULL;
-}
-
-/* Puts the point a centre shows into a cluster, its own if it fits no other. */
-static unsigned cluster_centre(const Render *render, Worker *worker, const Receiver *at)
-{
-    unsigned i = 0;
-    while (i < worker->clusters && !belongs(&worker->cluster[i], at))
-        i++;
-    if (i == CLUSTERS)
-        return i;
-    if (i == worker->clusters) {
-        const double distance = vec3_length(vec3_sub(at->point, render->camera.eye));
-        worker->clusters++;
-        worker->cluster[i] = (Cluster){
-            .first = *at, .reach = TILE * distance * vec3_length(render->camera.right) };
-    }
-    worker->cluster[i].members++;
-    return i;
-}
-
-/* Clusters the tile's centres and trains a guide for each cluster that is worth it. */
-static void train_guides(const Render *render, Worker *worker, uint32_t centres, uint32_t tile)
-{
-    const RenderOptions *o = render->options;
-    worker->clusters = 0;
-    for (uint32_t i = 0; i < centres; i++)
-        worker->owner[i] = (uint8_t)cluster_centre(render, worker, &worker->centre[i]);
-    for (unsigned c = 0; c < worker->clusters; c++) {
-        Cluster *cluster = &worker->cluster[c];
-        uint32_t members = 0;
-        for (uint32_t i = 0; i < centres; i++)
-            if (worker->owner[i] == c)
-                worker->member[members++] = worker->centre[i];
-        const uint64_t served = (uint64_t)members * o->samples * o->gather_rays / TRAIN_SHARE;
-        if (members < MEMBERS_MIN || served < TRAIN_MIN)
-            continue;
-        cluster->trained = wave_train(&worker->wave, worker->member, members,
-                                      served < TRAIN_MAX ? (uint32_t)served : TRAIN_MAX,
-                                      sampling_seed(tile, c, o->seed, 2), &cluster->guide);
-    }
-}
-
-/* --- the eye's rays -------------------------------------------------------------------------- */
 
 static bool emits(const Room *room, const RoomHit *hit)
 {
@@ -169,7 +90,7 @@ static bool end_of_ray(const Render *render, Worker *worker, uint32_t i, unsigne
         const uint32_t k = (*points)++;
         const Receiver at = { hit.point, hit.normal };
         worker->wave.point[0][k] = (WavePoint){ .at = at, .index = eye->index,
-                                                .guide = guide_for(worker, &at) };
+                                                .guide = guides_find(&worker->guides, &at) };
         worker->albedo[k] = m->reflectance;
         worker->throughput[k] = rgb_scale(rgb_mul(eye->weight, m->reflectance), 1 / PI);
     }
@@ -228,7 +149,7 @@ static void render_samples(const Render *render, Worker *worker, int x, int y, u
         }
         const WaveOptions wave = { .gather_rays = o->gather_rays, .lamp_rays = o->light_rays,
                                    .seed = sampling_mix(pixel_seed + SEED_WAVE + bounce),
-                                   .lights = true };
+                                   .lights = true, .guides = &worker->guides };
         wave_gather(&worker->wave, points, &wave);
         add_points(worker, points, bounce, pixel);
         count = next;
@@ -292,10 +213,18 @@ static void render_tile(const Render *render, Worker *worker, uint32_t tile)
     const int x1 = smaller(x0 + TILE, render->image->width);
     const int y1 = smaller(y0 + TILE, render->image->height);
     uint32_t  centres = 0;
+    const double pixel = vec3_length(render->camera.right);
     for (int y = y0; y < y1; y++)
-        for (int x = x0; x < x1; x++)
-            centres += store_centre(render, worker, x, y, &worker->centre[centres]);
-    train_guides(render, worker, centres, tile);
+        for (int x = x0; x < x1; x++) {
+            Receiver *centre = &worker->centre[centres];
+            if (!store_centre(render, worker, x, y, centre))
+                continue;
+            const double distance = vec3_length(vec3_sub(centre->point, render->camera.eye));
+            worker->reach[centres++] = TILE * pixel * distance;
+        }
+    guides_train(&worker->guides, &worker->wave, worker->centre, worker->reach, centres,
+                 render->options->samples * render->options->gather_rays,
+                 sampling_seed(tile, 0, render->options->seed, 2));
     for (int y = y0; y < y1; y++)
         for (int x = x0; x < x1; x++)
             render_pixel(render, worker, x, y);

@@ -9,7 +9,7 @@
 #include "math/tolerance.h"
 
 /* Purposes of the sequences drawn from one seed. */
-enum { SEED_LAMP = 1, SEED_LIGHT, SEED_DIRECTION, SEED_RAMP, SEED_TRAIN };
+enum { SEED_LAMP = 1, SEED_LIGHT, SEED_DIRECTION, SEED_RAMP };
 
 static uint32_t seed_of(uint32_t seed, uint32_t purpose, unsigned level)
 {
@@ -142,16 +142,13 @@ Rgb wave_radiosity(const Gatherer *gatherer, const WaveEnd *end)
     return b;
 }
 
-/* Chance that a hit at this distance is received anew: 1 within a patch's edge, 0 beyond two, and
- * between them without a kink. */
-static double ramp(double distance, double cell)
+double wave_nearness(const Gatherer *gatherer, const WaveEnd *end, const Hit *hit)
 {
-    const double x = 2 - distance / cell;
+    const double x = 2 - hit->t / gatherer->cell[end->surface];
     return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
 }
 
-/* The ray that leaves a receiver for the point u of the square. */
-static Ray hemisphere_ray(const Room *room, const Receiver *at, const float u[2])
+Ray wave_hemisphere(const Room *room, const Receiver *at, const float u[2])
 {
     Vec3       s, t;
     const Vec3 c = sampling_cosine(u[0], u[1]), n = at->normal;
@@ -170,7 +167,7 @@ static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t end,
         float            u[2];
         sampling_sobol2(p->index * rays + e % rays, seed, u);
         wave->worth[e - begin] = p->guide != NULL ? (float)guide_map(p->guide, u) : 1;
-        wave->ray[e - begin] = hemisphere_ray(room, &p->at, u);
+        wave->ray[e - begin] = wave_hemisphere(room, &p->at, u);
     }
     bvh_nearest_many(room->bvh, wave->ray, wave->hit, end - begin);
     wave->rays += end - begin;
@@ -178,15 +175,17 @@ static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t end,
 
 /* Makes the ray's end a receiving point of the next level. */
 static void receive_at(Wave *wave, unsigned level, const WavePoint *from, uint32_t k, double worth,
-                       uint32_t index, uint32_t next)
+                       uint32_t index, const Guides *guides, uint32_t next)
 {
     const Room *room = wave->gatherer->room;
     const Ray  *ray = &wave->ray[k];
     RoomHit     hit;
     room_hit(room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
     const Material *m = &room->materials[room->surfaces->surface[hit.surface].material];
+    const Receiver at = { hit.point, hit.normal };
     wave->point[level + 1][next] = (WavePoint){
-        .at = { hit.point, hit.normal }, .root = from->root, .index = index,
+        .at = at, .root = from->root, .index = index,
+        .guide = guides != NULL ? guides_find(guides, &at) : NULL,
         .weight = rgb_scale(rgb_mul(from->weight, m->reflectance), worth) };
 }
 
@@ -218,54 +217,18 @@ static uint32_t read_end(Wave *wave, unsigned level, uint32_t e, uint32_t k, uin
     const double worth = wave->worth[k] / rays;
     if (g->lamps.shared && room->emitting[end.surface] >> end.side & 1)
         add_lamp(wave, level, p, k, rays, options);
-    const double chance = level + 1 < WAVE_LEVELS ? ramp(wave->hit[k].t, g->cell[end.surface]) : 0;
+    const double chance = level + 1 < WAVE_LEVELS ? wave_nearness(g, &end, &wave->hit[k]) : 0;
     if (chance > 0) {
         const uint32_t index = p->index * rays + e % rays;
         const double luck = sampling_mix(index ^ seed_of(options->seed, SEED_RAMP, level)) * 0x1p-32;
         if (luck < chance) {
-            receive_at(wave, level, p, k, worth, index, next);
+            receive_at(wave, level, p, k, worth, index, options->guides, next);
             return next + 1;
         }
     }
     Rgb *sum = &wave->indirect[p->root];
     *sum = rgb_add(*sum, rgb_scale(rgb_mul(p->weight, wave_radiosity(g, &end)), worth));
     return next;
-}
-
-bool wave_train(Wave *wave, const Receiver *at, uint32_t count, uint32_t rays, uint32_t seed,
-                Guide *guide)
-{
-    assert(count > 0 && rays > 0);
-    const Room    *room = wave->gatherer->room;
-    double         light[GUIDE_SIDE][GUIDE_SIDE] = { { 0 } };
-    uint32_t       number[GUIDE_SIDE][GUIDE_SIDE] = { { 0 } };
-    uint8_t        cell[WAVE_RAYS][2];
-    const uint32_t own = seed_of(seed, SEED_TRAIN, 0);
-    for (uint32_t begin = 0; begin < rays; begin += WAVE_RAYS) {
-        const uint32_t n = rays - begin < WAVE_RAYS ? rays - begin : WAVE_RAYS;
-        for (uint32_t k = 0; k < n; k++) {
-            float u[2];
-            sampling_sobol2(begin + k, own, u);
-            cell[k][0] = (uint8_t)(u[0] * GUIDE_SIDE);
-            cell[k][1] = (uint8_t)(u[1] * GUIDE_SIDE);
-            number[cell[k][0]][cell[k][1]]++;
-            const size_t who = (size_t)((uint64_t)(begin + k) * count / rays);
-            wave->ray[k] = hemisphere_ray(room, &at[who], u);
-        }
-        bvh_nearest_many(room->bvh, wave->ray, wave->hit, n);
-        wave->rays += n;
-        for (uint32_t k = 0; k < n; k++) {
-            if (wave->hit[k].primitive == RAY_MISS)
-                continue;
-            const WaveEnd end = wave_end(wave->gatherer, &wave->ray[k], &wave->hit[k]);
-            light[cell[k][0]][cell[k][1]] +=
-                rgb_luminance(wave_radiosity(wave->gatherer, &end));
-        }
-    }
-    for (int y = 0; y < GUIDE_SIDE; y++)
-        for (int x = 0; x < GUIDE_SIDE; x++)
-            light[y][x] /= number[y][x] > 0 ? number[y][x] : 1;
-    return guide_init(guide, (const double(*)[GUIDE_SIDE])light);
 }
 
 static void receive(Wave *wave, unsigned level, uint32_t count, const WaveOptions *options)

@@ -18,7 +18,7 @@
 
 #include "radiosity/room.h"
 #include "render/gather.h"
-#include "render/guide.h"
+#include "render/guides.h"
 #include "render/lamps.h"
 
 enum {
@@ -41,16 +41,17 @@ typedef struct {
     Rgb      weight;
     uint32_t root;   /* index of the point that asked, < WAVE_POINTS */
     uint32_t index;  /* of its sample in its sequences */
-    const Guide *guide; /* of its hemisphere rays; NULL: none. Level 0 only */
+    const Guide *guide; /* of its hemisphere rays; NULL: none */
 } WavePoint;
 
 typedef struct {
     uint32_t gather_rays, lamp_rays; /* per point; > 0 */
     uint32_t seed;                   /* sequences: lamps, lights, directions of each level */
     bool     lights;                 /* point lights, one of them by chance per lamp ray */
+    const Guides *guides;            /* for points beyond level 0; may be NULL */
 } WaveOptions;
 
-typedef struct {
+typedef struct Wave {
     const Gatherer *gatherer;
     uint64_t  rays;                  /* cast so far */
     Rgb       direct[WAVE_POINTS];   /* irradiance, results of wave_gather */
@@ -70,13 +71,11 @@ typedef struct {
  * direct and indirect. */
 void wave_gather(Wave *wave, uint32_t count, const WaveOptions *options);
 
-/* Learns by `rays` hemisphere rays, spread over the receivers, where they get their light from.
- * false: they get none. */
-bool wave_train(Wave *wave, const Receiver *at, uint32_t count, uint32_t rays, uint32_t seed,
-                Guide *guide);
-
 /* How far rays that leave p are moved off their surface. */
 double wave_offset(const Room *room, Vec3 p);
+
+/* The ray that leaves a receiver for the point u of the square. */
+Ray wave_hemisphere(const Room *room, const Receiver *at, const float u[2]);
 
 /* Where a ray ended, as much as the solution needs to know: less than a RoomHit, and cheaper. */
 typedef struct {
@@ -85,6 +84,10 @@ typedef struct {
     double   s, t;
 } WaveEnd;
 WaveEnd wave_end(const Gatherer *gatherer, const Ray *ray, const Hit *hit);
+
+/* Chance that light is received once more where a hemisphere ray ended: 1 within the edge of a
+ * patch, 0 beyond two, and between them without a kink. */
+double wave_nearness(const Gatherer *gatherer, const WaveEnd *end, const Hit *hit);
 
 /* Reflected radiosity of the solution there; 0 on sides that take no part. */
 Rgb wave_radiosity(const Gatherer *gatherer, const WaveEnd *end);
