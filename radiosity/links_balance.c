@@ -18,9 +18,9 @@
 
 enum { BALANCE_CHUNK = 512 };
 
-/* Rows are stored in float in the end, each entry rounded by up to 2^-24: a sixth of that is as far
- * as it pays to go. */
-static const double BALANCE_GOAL = 1e-8;
+/* Rows are stored in float in the end, each entry rounded by up to 2^-24 of itself: half of that is
+ * as far as it pays to go. */
+static const double BALANCE_GOAL = 0x1p-25;
 
 /* Variance of a pair with a lamp, relative to what counting rays would give: visibility rays leave
  * the variation of the geometry term within the pair, a tenth and less in the standard deviation,
@@ -38,8 +38,10 @@ static const double ROUNDED_TO_ZERO = 1e4 * DBL_EPSILON;
 
 enum { STEPS_MAX = 100, GRADIENT_STEPS_MAX = 200 };
 
-/* Each conjugate gradient solve goes on until its residual is this share of the first. */
-static const double GRADIENT_GOAL = 1e-2;
+/* A conjugate gradient solve goes on until its residual is this share of the first, between these
+ * two: as far as Newton's step, whose own error is about the square of the rows', can make use of,
+ * and no further than the goal. */
+static const double GRADIENT_GOAL_MIN = 0.01, GRADIENT_GOAL_MAX = 0.1;
 
 /* What a patch contributes to the sums of its partners: by the pair's kind, 0 for the other kind. */
 typedef struct {
@@ -149,13 +151,15 @@ static double hessian_product(Balance *b)
     return scale;
 }
 
-/* step = (D + M)^-1 gradient, preconditioned by D. The gradient is used up. */
-static void newton_step(Balance *b)
+/* step = (D + M)^-1 gradient, preconditioned by D, for rows off by `error`. Uses up the gradient. */
+static void newton_step(Balance *b, double error)
 {
+    const double enough = fmax(error, BALANCE_GOAL / (2 * error));
+    const double share = fmin(fmax(enough, GRADIENT_GOAL_MIN), GRADIENT_GOAL_MAX);
     for (uint32_t i = 0; i < b->count; i++)
         b->step[i] = 0;
     double rho = precondition(b, b->gradient, b->direction);
-    const double goal = GRADIENT_GOAL * GRADIENT_GOAL * rho;
+    const double goal = share * share * rho;
     for (int k = 0; k < GRADIENT_STEPS_MAX && rho > goal; k++) {
         const double scale = hessian_product(b);
         const double curvature = dot(b, b->direction, b->image);
@@ -198,7 +202,7 @@ static bool iterate(Balance *b, double *best_x, const Monitor *monitor, double *
         if (monitor_stop(monitor))
             return false;
         if (error < NEWTON_BELOW && error < before)
-            newton_step(b);
+            newton_step(b, error);
         else
             sinkhorn_step(b);
         take_step(b);

@@ -92,18 +92,26 @@ void link_columns_clear(LinkColumns *columns)
     *columns = (LinkColumns){ 0 };
 }
 
-/* F_ji, or 0 when j has no link to i. */
-static double factor_back(const Links *links, uint32_t j, uint32_t i)
+/* F_ji, or 0 when j has no link to i. Asked for rising i, so each row is walked along once: *cursor
+ * is how far row j has been. Without it (memory is short) the row is searched. */
+static double factor_back(const Links *links, uint32_t j, uint32_t i, uint64_t *cursor)
 {
-    uint64_t low = links->first[j], high = links->first[j + 1];
-    while (low < high) {
-        const uint64_t middle = low + (high - low) / 2;
-        if (links->source[middle] < i)
-            low = middle + 1;
-        else
-            high = middle;
+    const uint64_t end = links->first[j + 1];
+    uint64_t low = links->first[j], high = end;
+    if (cursor != NULL) {
+        for (low += *cursor; low < end && links->source[low] < i; low++)
+            continue;
+        *cursor = low - links->first[j];
+    } else {
+        while (low < high) {
+            const uint64_t middle = low + (high - low) / 2;
+            if (links->source[middle] < i)
+                low = middle + 1;
+            else
+                high = middle;
+        }
     }
-    return low < links->first[j + 1] && links->source[low] == i ? links->form_factor[low] : 0;
+    return low < end && links->source[low] == i ? links->form_factor[low] : 0;
 }
 
 void links_report(const Links *links, LinksReport *report)
@@ -113,11 +121,14 @@ void links_report(const Links *links, LinksReport *report)
     double area = 0, row_squares = 0, pair_squares = 0;
     uint64_t pairs = 0;
     uint32_t rows = 0;
+    Error ignored = { 0 };
+    uint64_t *cursor = array_create(links->count, sizeof *cursor, "a report", &ignored);
     for (uint32_t i = 0; i < links->count; i++) {
         double sum = links->escape[i];
         for (uint64_t k = links->first[i]; k < links->first[i + 1]; k++) {
             const uint32_t j = links->source[k];
-            const double f = links->form_factor[k], back = factor_back(links, j, i);
+            const double f = links->form_factor[k];
+            const double back = factor_back(links, j, i, cursor != NULL ? &cursor[j] : NULL);
             sum += f;
             if (j < i && back > 0)
                 continue; /* met from the other side already */
@@ -136,6 +147,7 @@ void links_report(const Links *links, LinksReport *report)
         row_squares += (sum - 1) * (sum - 1);
         rows++;
     }
+    array_free(cursor);
     report->escaped = area > 0 ? report->escaped / area : 0;
     report->row_sum_error_rms = rows > 0 ? sqrt(row_squares / rows) : 0;
     report->reciprocity_error_rms = pairs > 0 ? sqrt(pair_squares / (double)pairs) : 0;
