@@ -7,6 +7,8 @@
 
 #include "base/array.h"
 #include "math/sampling.h"
+#include "render/normals.h"
+#include "render/specular.h"
 #include "render/wave.h"
 
 /* Mean edge of a surface's patches. */
@@ -48,8 +50,13 @@ static bool fill_vertices(Gatherer *g, const Solution *solution, const Links *li
 static bool fill_normals(Gatherer *g, Error *err)
 {
     const Surfaces *s = g->room->surfaces;
+    bool            specular = false;
+    for (size_t i = 0; i < g->room->material_count; i++)
+        specular = specular || specular_exists(&g->room->materials[i]);
+    if (specular)
+        g->smooth = normals_create(s, err);
     g->normal = array_create(3 * (size_t)s->triangle_count, sizeof *g->normal, "gather", err);
-    if (g->normal == NULL)
+    if (error_is_set(err))
         return false;
     for (uint32_t i = 0; i < s->triangle_count; i++) {
         const Vec3 n = surfaces_normal(s, i, 0, 0);
@@ -89,6 +96,7 @@ Gatherer *gatherer_destroy(Gatherer *g)
     array_free(g->vertex);
     array_free(g->cell);
     array_free(g->normal);
+    array_free(g->smooth);
     return array_free(g);
 }
 

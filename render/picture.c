@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "math/sampling.h"
 #include "render/internal.h"
+#include "render/normals.h"
 #include "render/specular.h"
 #include "render/wave.h"
 
@@ -100,7 +101,9 @@ static bool end_of_ray(const Render *render, Worker *worker, uint32_t i, unsigne
     Rgb   weight;
     sampling_sobol4(eye->index, sampling_seed(pixel_seed, SEED_SPECULAR, bounce, 0), u);
     *on = (EyeRay){ .index = eye->index };
-    if (!specular_continue(room, &hit, vec3_unit(in), u, &on->ray, &weight))
+    const Vec3 way = vec3_unit(in);
+    const Vec3 normal = normals_at(render->gatherer->smooth, room, &hit, way);
+    if (!specular_continue(room, &hit, normal, way, u, &on->ray, &weight))
         return false;
     on->weight = rgb_mul(eye->weight, weight);
     return rgb_max(on->weight) > 0;

@@ -38,11 +38,19 @@ static bool is_skin(const Surface *surface)
 
 static Vec3 mirrored(Vec3 in, Vec3 n) { return vec3_mad(in, -2 * vec3_dot(in, n), n); }
 
-/* Glass: one of the two ways, by what each carries. */
-static bool glass(const Room *room, const Material *material, const RoomHit *hit, Vec3 in,
-                  double choice, Ray *ray, Rgb *weight)
+/* Reflected by the smooth normal, but never into the surface itself. */
+static Vec3 reflected(Vec3 in, Vec3 smooth, const RoomHit *hit)
 {
-    const double cosine = fmin(fmax(-vec3_dot(in, hit->normal), 0), 1);
+    const Vec3   d = mirrored(in, smooth);
+    const double height = vec3_dot(d, hit->normal);
+    return height > 0 ? d : mirrored(d, hit->normal);
+}
+
+/* Glass: one of the two ways, by what each carries. */
+static bool glass(const Room *room, const Material *material, const RoomHit *hit, Vec3 normal,
+                  Vec3 in, double choice, Ray *ray, Rgb *weight)
+{
+    const double cosine = fmin(fmax(-vec3_dot(in, normal), 0), 1);
     const double ior = material->ior > 0 ? material->ior : 1;
     const bool   skin = ior != 1 && is_skin(&room->surfaces->surface[hit->surface]);
     const double eta = skin && hit->side == 1 ? 1 / ior : ior;
@@ -52,7 +60,7 @@ static bool glass(const Room *room, const Material *material, const RoomHit *hit
     const double through = (1 - f) * rgb_max(material->transmittance);
     const double chance = f / (f + through);
     if (choice < chance) {
-        const Vec3 d = mirrored(in, hit->normal);
+        const Vec3   d = reflected(in, normal, hit);
         const double w = f / chance;
         *weight = rgb(w, w, w);
         *ray = ray_leaving(hit->point, hit->normal, room->offset, d, INFINITY);
@@ -61,7 +69,9 @@ static bool glass(const Room *room, const Material *material, const RoomHit *hit
     Vec3 d = in;
     if (skin) {
         const double square = 1 - (1 - cosine * cosine) / (eta * eta);
-        d = vec3_mad(vec3_scale(in, 1 / eta), cosine / eta - sqrt(fmax(square, 0)), hit->normal);
+        d = vec3_mad(vec3_scale(in, 1 / eta), cosine / eta - sqrt(fmax(square, 0)), normal);
+        if (vec3_dot(d, hit->normal) > 0) /* the smooth normal bent it back out */
+            d = mirrored(d, hit->normal);
     }
     *weight = rgb_scale(material->transmittance, (1 - f) / (1 - chance));
     *ray = ray_leaving(hit->point, hit->normal, -room->offset, vec3_unit(d), INFINITY);
@@ -69,11 +79,11 @@ static bool glass(const Room *room, const Material *material, const RoomHit *hit
 }
 
 /* A lobe cos^e about the mirror direction, energy as in the modified Phong model [lafortune94]. */
-static bool gloss(const Room *room, const Material *material, const RoomHit *hit, Vec3 in,
-                  double exponent, const float *u, Ray *ray, Rgb *weight)
+static bool gloss(const Room *room, const Material *material, const RoomHit *hit, Vec3 normal,
+                  Vec3 in, double exponent, const float *u, Ray *ray, Rgb *weight)
 {
     Vec3         s, t;
-    const Vec3   axis = vec3_unit(mirrored(in, hit->normal));
+    const Vec3   axis = vec3_unit(reflected(in, normal, hit));
     const double z = pow(u[0], 1 / (exponent + 1)), r = sqrt(fmax(1 - z * z, 0));
     const double angle = 2 * M_PI * u[1];
     vec3_frame(axis, &s, &t);
@@ -86,19 +96,19 @@ static bool gloss(const Room *room, const Material *material, const RoomHit *hit
     return true;
 }
 
-bool specular_continue(const Room *room, const RoomHit *hit, Vec3 in, const float u[3], Ray *ray,
-                       Rgb *weight)
+bool specular_continue(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in,
+                       const float u[3], Ray *ray, Rgb *weight)
 {
     const Material *material = &room->materials[room->surfaces->surface[hit->surface].material];
     assert(specular_exists(material));
     if (rgb_max(material->transmittance) > 0)
-        return glass(room, material, hit, in, u[2], ray, weight);
+        return glass(room, material, hit, normal, in, u[2], ray, weight);
     if (isinf(material->exponent)) {
         *weight = material->specular;
-        *ray = ray_leaving(hit->point, hit->normal, room->offset, mirrored(in, hit->normal),
+        *ray = ray_leaving(hit->point, hit->normal, room->offset, reflected(in, normal, hit),
                            INFINITY);
         return true;
     }
     const double exponent = material->exponent > 0 ? material->exponent : EXPONENT_DEFAULT;
-    return gloss(room, material, hit, in, exponent, u, ray, weight);
+    return gloss(room, material, hit, normal, in, exponent, u, ray, weight);
 }

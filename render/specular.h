@@ -9,11 +9,11 @@
 bool specular_exists(const Material *material);
 
 /* One way on for a ray that came along `in` (unit) and met `hit`, chosen by three numbers in
- * [0,1): glass reflects or refracts, gloss scatters about the mirror direction. *weight is what
- * its light counts, bounded by 1.1 in each band. false: none.
+ * [0,1): glass reflects or refracts, gloss scatters about the mirror direction. normal: unit, maybe
+ * smoothed. *weight is what its light counts, bounded by 1.1 in each band. false: none.
  * A transparent surface with a rim is a pane, not the skin of a body: it does not bend light. */
-bool specular_continue(const Room *room, const RoomHit *hit, Vec3 in, const float u[3], Ray *ray,
-                       Rgb *weight);
+bool specular_continue(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in,
+                       const float u[3], Ray *ray, Rgb *weight);
 
 /* Fresnel's reflectance for unpolarised light; eta: index of the side entered over that left. */
 double specular_fresnel(double cosine, double eta);

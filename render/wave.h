@@ -31,6 +31,7 @@ struct Gatherer {
     const Room *room;
     float      *vertex;  /* [3 * patches->vertex_count]  reflected radiosity */
     float      *normal;  /* [3 * surfaces->triangle_count]  unit, to the front */
+    float      *smooth;  /* [9 * triangle_count]  as in normals.h; NULL: nothing is specular */
     double     *cell;    /* [surfaces->count]  edge of the surface's patches */
     Lamps       lamps;
 };
