@@ -7,6 +7,7 @@
 
 #include "base/array.h"
 #include "math/sampling.h"
+#include "render/clear.h"
 #include "render/normals.h"
 #include "render/specular.h"
 #include "render/wave.h"
@@ -83,6 +84,7 @@ Gatherer *gatherer_create(const Room *room, const Solution *solution, const Link
     if (g->cell == NULL || !fill_vertices(g, solution, links, err) ||
         !fill_normals(g, err) || !lamps_init(&g->lamps, room, err))
         return gatherer_destroy(g);
+    g->clear = clear_exists(room);
     for (uint32_t i = 0; i < room->surfaces->count; i++)
         g->cell[i] = cell_of(room->patches, room->surfaces, i);
     return g;
@@ -105,9 +107,10 @@ Gatherer *gatherer_destroy(Gatherer *g)
 enum { SCRAMBLINGS = 8 };
 
 /* Point lights need no chance: one ray each. */
-static Rgb light_all(const Room *room, const Receiver *at)
+static Rgb light_all(const Gatherer *gatherer, const Receiver *at)
 {
-    Rgb sum = { 0, 0, 0 };
+    const Room *room = gatherer->room;
+    Rgb         sum = { 0, 0, 0 };
     for (size_t i = 0; i < room->light_count; i++) {
         const Rgb e = lamps_light(&room->lights[i], at);
         if (!(rgb_max(e) > 0))
@@ -116,6 +119,8 @@ static Rgb light_all(const Room *room, const Receiver *at)
                                     vec3(0, 0, 0), wave_offset(room, at->point));
         if (!bvh_blocked(room->bvh, &ray))
             sum = rgb_add(sum, e);
+        else if (gatherer->clear)
+            sum = rgb_add(sum, rgb_mul(e, clear_between(room, &ray)));
     }
     return sum;
 }
@@ -150,5 +155,5 @@ void gather_irradiance(const Gatherer *gatherer, Vec3 point, Vec3 normal, uint32
         square += (y - first) * (y - first) / SCRAMBLINGS;
     }
     out->standard_error = sqrt(fmax(square - mean * mean, 0) / (SCRAMBLINGS - 1));
-    out->direct = rgb_add(out->direct, light_all(gatherer->room, &at));
+    out->direct = rgb_add(out->direct, light_all(gatherer, &at));
 }

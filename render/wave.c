@@ -7,6 +7,7 @@
 
 #include "math/sampling.h"
 #include "math/tolerance.h"
+#include "render/clear.h"
 
 /* Purposes of the sequences drawn from one seed. */
 enum { SEED_LAMP = 1, SEED_LIGHT, SEED_DIRECTION, SEED_RAMP };
@@ -62,28 +63,37 @@ static uint32_t aim_block(Wave *wave, unsigned level, uint32_t begin, uint32_t e
     return n;
 }
 
-/* Sums a block of lamp samples. Of sample i, lit or not (v), worth u, expected a:
- * v u + b (a - u), b the lit share of all other samples of the block; deeper levels, where a block
- * may be a single sample, count the lit share of level 0 as one sample more. */
+/* What of each lamp sample arrives; nearly always all or nothing. */
+static void cast_shadows(Wave *wave, uint32_t n)
+{
+    const Gatherer *g = wave->gatherer;
+    bvh_blocked_many(g->room->bvh, wave->ray, wave->blocked, n);
+    wave->rays += n;
+    for (uint32_t i = 0; i < n; i++)
+        wave->pass[i] = !wave->blocked[i] ? rgb(1, 1, 1)
+                        : g->clear        ? clear_between(g->room, &wave->ray[i])
+                                          : rgb(0, 0, 0);
+}
+
+/* Sums a block of lamp samples. Of sample i, of which the share v arrives, worth u, expected a:
+ * v u + b (a - u), b the share of all other samples of the block that arrives; deeper levels, where
+ * a block may be a single sample, count the share of level 0 as one sample more. */
 static void add_block(Wave *wave, unsigned level, uint32_t n, uint32_t rays)
 {
     double lit = 0, all = 0;
     for (uint32_t i = 0; i < n; i++) {
-        const double y = rgb_luminance(wave->sample[i].value);
-        all += y;
-        lit += wave->blocked[i] ? 0 : y;
+        all += rgb_luminance(wave->sample[i].value);
+        lit += rgb_luminance(rgb_mul(wave->pass[i], wave->sample[i].value));
     }
     const double prior = level > 0 && wave->lit_known ? all / n : 0;
     for (uint32_t i = 0; i < n; i++) {
         const LampSample *s = &wave->sample[i];
-        const double y = rgb_luminance(s->value);
-        const double others = all - y + prior;
-        const double others_lit = lit - (wave->blocked[i] ? 0 : y) + prior * wave->lit_share;
+        const Rgb    arrives = rgb_mul(wave->pass[i], s->value);
+        const double others = all - rgb_luminance(s->value) + prior;
+        const double others_lit = lit - rgb_luminance(arrives) + prior * wave->lit_share;
         /* Rounding of the sums leaves a residue where the others are nothing. */
         const double b = others > all * SUM_RESIDUE ? fmin(fmax(others_lit / others, 0), 1) : 0;
-        Rgb          e = rgb_scale(rgb_mad(s->control, -1, s->value), b);
-        if (!wave->blocked[i])
-            e = rgb_add(e, s->value);
+        const Rgb    e = rgb_mad(arrives, b, rgb_mad(s->control, -1, s->value));
         add_to(wave, &wave->point[level][wave->owner[i]], level, rgb_scale(e, 1.0 / rays));
     }
     if (level == 0 && all > 0) {
@@ -102,8 +112,7 @@ static void receive_lamps(Wave *wave, unsigned level, uint32_t count, const Wave
                                      rays, options, lights);
         if (n == 0)
             continue;
-        bvh_blocked_many(wave->gatherer->room->bvh, wave->ray, wave->blocked, n);
-        wave->rays += n;
+        cast_shadows(wave, n);
         add_block(wave, level, n, rays);
     }
 }
@@ -171,6 +180,9 @@ static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t end,
     }
     bvh_nearest_many(room->bvh, wave->ray, wave->hit, end - begin);
     wave->rays += end - begin;
+    for (uint32_t k = 0; k < end - begin; k++)
+        wave->pass[k] = wave->gatherer->clear
+                            ? clear_nearest(room, &wave->ray[k], &wave->hit[k]) : rgb(1, 1, 1);
 }
 
 /* Makes the ray's end a receiving point of the next level. */
@@ -186,7 +198,8 @@ static void receive_at(Wave *wave, unsigned level, const WavePoint *from, uint32
     wave->point[level + 1][next] = (WavePoint){
         .at = at, .root = from->root, .index = index,
         .guide = guides != NULL ? guides_find(guides, &at) : NULL,
-        .weight = rgb_scale(rgb_mul(from->weight, m->reflectance), worth) };
+        .weight = rgb_scale(rgb_mul(rgb_mul(from->weight, wave->pass[k]), m->reflectance),
+                            worth) };
 }
 
 /* What a lamp that the ray met adds. */
@@ -200,7 +213,8 @@ static void add_lamp(Wave *wave, unsigned level, const WavePoint *from, uint32_t
     const Material *m = &g->room->materials[g->room->surfaces->surface[hit.surface].material];
     const double    lamp_rays = level == 0 ? options->lamp_rays : 1;
     const double    share = lamps_share(&g->lamps, &from->at, lamp_rays, rays, &hit);
-    add_to(wave, from, level, rgb_scale(m->emission, M_PI * share * wave->worth[k] / rays));
+    add_to(wave, from, level, rgb_scale(rgb_mul(m->emission, wave->pass[k]),
+                                        M_PI * share * wave->worth[k] / rays));
 }
 
 /* A ray's end: a lamp's share, then the solution, or one more receiving point. Returns how many
@@ -226,8 +240,9 @@ static uint32_t read_end(Wave *wave, unsigned level, uint32_t e, uint32_t k, uin
             return next + 1;
         }
     }
-    Rgb *sum = &wave->indirect[p->root];
-    *sum = rgb_add(*sum, rgb_scale(rgb_mul(p->weight, wave_radiosity(g, &end)), worth));
+    const Rgb b = rgb_mul(wave->pass[k], wave_radiosity(g, &end));
+    Rgb      *sum = &wave->indirect[p->root];
+    *sum = rgb_add(*sum, rgb_scale(rgb_mul(p->weight, b), worth));
     return next;
 }
 

@@ -34,6 +34,7 @@ struct Gatherer {
     float      *smooth;  /* [9 * triangle_count]  as in normals.h; NULL: nothing is specular */
     double     *cell;    /* [surfaces->count]  edge of the surface's patches */
     Lamps       lamps;
+    bool        clear;   /* some material lets light through */
 };
 
 /* A point that receives light, and what its irradiance counts in its root's result. */
@@ -61,6 +62,7 @@ typedef struct Wave {
     Ray       ray[WAVE_RAYS];
     Hit       hit[WAVE_RAYS];
     bool      blocked[WAVE_RAYS];
+    Rgb       pass[WAVE_RAYS];       /* share of light that passes along the ray */
     float     worth[WAVE_RAYS];      /* of a hemisphere ray: 1 / density of its guide */
     LampSample sample[WAVE_RAYS];
     uint32_t   owner[WAVE_RAYS];     /* of the ray: which point of the level */

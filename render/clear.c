@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Straight rays through panes, glasses and water. */
+#include "render/clear.h"
+
+#include "render/specular.h"
+
+/* Crossings after which a ray is taken for lost: a window of three panes, four times over. */
+enum { CROSSINGS = 24 };
+
+bool clear_exists(const Room *room)
+{
+    for (size_t i = 0; i < room->material_count; i++)
+        if (rgb_max(room->materials[i].transmittance) > 0)
+            return true;
+    return false;
+}
+
+/* What one crossing lets through; 0: opaque. */
+static Rgb crossing(const Room *room, const RoomHit *hit, Vec3 way)
+{
+    const Material *m = &room->materials[room->surfaces->surface[hit->surface].material];
+    if (!(rgb_max(m->transmittance) > 0))
+        return rgb(0, 0, 0);
+    const double cosine = fmin(fmax(-vec3_dot(way, hit->normal), 0), 1);
+    const double ior = m->ior > 0 ? m->ior : 1;
+    return rgb_scale(m->transmittance, 1 - specular_fresnel(cosine, ior));
+}
+
+Rgb clear_nearest(const Room *room, const Ray *ray, Hit *hit)
+{
+    const Vec3 d = vec3(ray->dx, ray->dy, ray->dz), way = vec3_unit(d);
+    Rgb        passed = { 1, 1, 1 };
+    double     start = 0;
+    for (int i = 0; i < CROSSINGS && hit->primitive != RAY_MISS; i++) {
+        RoomHit at;
+        room_hit(room, hit, d, &at);
+        const Rgb share = crossing(room, &at, way);
+        if (!(rgb_max(share) > 0)) {
+            hit->t += (float)start;
+            return passed;
+        }
+        passed = rgb_mul(passed, share);
+        start += hit->t;
+        const Ray on = ray_leaving(at.point, at.normal, -room->offset, d,
+                                   ray->t_max - (float)start);
+        bvh_nearest(room->bvh, &on, hit);
+    }
+    hit->primitive = RAY_MISS;
+    return passed;
+}
+
+Rgb clear_between(const Room *room, const Ray *ray)
+{
+    Hit hit;
+    bvh_nearest(room->bvh, ray, &hit);
+    const Rgb passed = clear_nearest(room, ray, &hit);
+    return hit.primitive == RAY_MISS ? passed : rgb(0, 0, 0);
+}
