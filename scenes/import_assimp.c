@@ -2,7 +2,7 @@
 /* The importing library at work, in the child. The only file that includes assimp.
  *
  * No post-processing is asked for: it would drop, join and triangulate. What glTF says beside its
- * triangles comes from scenes/gltf.h.
+ * triangles is sent by scenes/import_prepare.h.
  */
 #include <assert.h>
 #include <assimp/cfileio.h>
@@ -16,9 +16,9 @@
 #include <strings.h>
 
 #include "base/array.h"
-#include "scenes/gltf.h"
 #include "scenes/import.h"
-#include "scenes/import_files.h"
+#include "scenes/import_prepare.h"
+#include "scenes/import_quirks.h"
 
 static const double degrees_per_radian = 57.295779513082320877;
 
@@ -27,10 +27,11 @@ typedef struct {
     PipeWriter           *out;
     Error                *err;
     ImportFiles           files;
-    Gltf                 *gltf;          /* NULL: another format */
+    Foreknown             known;
     const struct aiScene *scene;
     uint32_t             *material;      /* [mNumMaterials]  number in the pipe */
     uint64_t              loose;         /* points and lines */
+    bool                 *shown;         /* [mNumMeshes]  in a node */
 } Import;
 
 /* --- files for assimp ------------------------------------------------------------------------- */
@@ -132,6 +133,26 @@ static double value_get(const struct aiMaterial *m, const char *key, double fall
     return (double)value;
 }
 
+/* assimp's COLLADA reader fills in 0.4 and 10 where the file says nothing of a highlight, and 0.6
+ * where there is no diffuse part. */
+static void collada_material(const struct aiMaterial *from, Material *m)
+{
+    static const float unsaid = 0.4F, unsaid_exponent = 10;
+    int shading = aiShadingMode_Phong;
+    unsigned count = 1;
+    const Rgb s = m->specular;
+
+    (void)aiGetMaterialIntegerArray(from, AI_MATKEY_SHADING_MODEL, &shading, &count);
+    const bool glossy = shading == aiShadingMode_Phong || shading == aiShadingMode_Blinn;
+    if (!glossy || ((float)s.r == unsaid && (float)s.g == unsaid && (float)s.b == unsaid &&
+                    (float)m->exponent == unsaid_exponent)) {
+        m->specular = rgb(0, 0, 0);
+        m->exponent = 0;
+    }
+    if (shading == aiShadingMode_NoShading) /* <constant> has nothing but emission */
+        m->reflectance = rgb(0, 0, 0);
+}
+
 static void material_send(Import *import, const struct aiMaterial *from)
 {
     struct aiString name = { 0 };
@@ -141,9 +162,12 @@ static void material_send(Import *import, const struct aiMaterial *from)
     (void)aiGetMaterialString(from, AI_MATKEY_NAME, &name);
     m.name = name.data;
     m.reflectance = rgb_scale(color_get(from, "$clr.diffuse", m.reflectance), opacity);
-    m.specular = rgb_scale(color_get(from, "$clr.specular", m.specular), opacity);
+    m.specular = color_get(from, "$clr.specular", m.specular);
+    m.specular = rgb_scale(m.specular, value_get(from, "$mat.shinpercent", 1) * opacity);
     m.emission = color_get(from, "$clr.emissive", m.emission);
     m.exponent = fmax(value_get(from, "$mat.shininess", 0), 0);
+    if (import->known.format == FORMAT_COLLADA)
+        collada_material(from, &m);
     if (opacity < 1) {
         m.transmittance = rgb(1 - opacity, 1 - opacity, 1 - opacity);
         m.ior = fmax(value_get(from, "$mat.refracti", 1), 1);
@@ -168,8 +192,9 @@ static bool materials_send(Import *import)
         size_t index;
         (void)aiGetMaterialString(m, AI_MATKEY_NAME, &name);
         import->material[i] = PIPE_NO_MATERIAL;
-        if (import->gltf != NULL) {
-            if (sscanf(name.data, "m%zu", &index) == 1 && index < import->gltf->material_count)
+        if (import->known.gltf != NULL) {
+            if (sscanf(name.data, "m%zu", &index) == 1 &&
+                index < import->known.gltf->material_count)
                 import->material[i] = (uint32_t)index;
         } else if (name.length > 0 && strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) != 0) {
             material_send(import, m);
@@ -209,9 +234,10 @@ static bool corners_check(const Import *import, const struct aiMesh *mesh, const
 static bool gltf_faces_check(const Import *import, const struct aiMesh *mesh, const char *group)
 {
     size_t index, primitive = 0;
-    const Gltf *gltf = import->gltf;
+    const Gltf *gltf = import->known.gltf;
 
-    if (sscanf(mesh->mName.data, "a%zu-%zu", &index, &primitive) < 1 || index >= gltf->mesh_count ||
+    if (sscanf(mesh->mName.data, "a%zu-%zu", &index, &primitive) < 1 ||
+        index >= gltf->mesh_count ||
         primitive >= gltf->first_primitive[index + 1] - gltf->first_primitive[index])
         return true;
     const uint64_t wanted = gltf->faces[gltf->first_primitive[index] + primitive];
@@ -241,7 +267,7 @@ static bool mesh_send(Import *import, const struct aiMesh *mesh, const Affine *w
     uint32_t faces = 0;
 
     if (!corners_check(import, mesh, group) ||
-        (import->gltf != NULL && !gltf_faces_check(import, mesh, group)))
+        (import->known.gltf != NULL && !gltf_faces_check(import, mesh, group)))
         return false;
     for (unsigned i = 0; i < mesh->mNumFaces; i++)
         faces += mesh->mFaces[i].mNumIndices >= 3;
@@ -265,9 +291,14 @@ static bool mesh_send(Import *import, const struct aiMesh *mesh, const Affine *w
 
 /* --- nodes ------------------------------------------------------------------------------------ */
 
-/* Names in angle brackets are assimp's own. */
-static const char *group_name(const struct aiNode *node, const struct aiMesh *mesh)
+/* Names in angle brackets are assimp's own. In 3DS a mesh is called by its number. */
+static const char *group_name(const Import *import, const struct aiNode *node,
+                              const struct aiMesh *mesh)
 {
+    size_t index;
+
+    if (sscanf(mesh->mName.data, "%zu", &index) == 1 && index < import->known.name_count)
+        return import->known.name[index];
     if (node->mName.length > 0 && node->mName.data[0] != '<')
         return node->mName.data;
     return mesh->mName.length > 0 && mesh->mName.data[0] != '<' ? mesh->mName.data : "";
@@ -280,21 +311,38 @@ static bool node_send(Import *import, const struct aiNode *node, const Affine *p
     const char *name = NULL;
     size_t index;
 
-    if (import->gltf != NULL && sscanf(node->mName.data, "n%zu", &index) == 1 &&
-        index < import->gltf->node_count) {
-        world = import->gltf->node[index].world;
-        name = import->gltf->node[index].name;
+    if (import->known.gltf != NULL && sscanf(node->mName.data, "n%zu", &index) == 1 &&
+        index < import->known.gltf->node_count) {
+        world = import->known.gltf->node[index].world;
+        name = import->known.gltf->node[index].name;
     }
     for (unsigned i = 0; i < node->mNumMeshes; i++) {
         if (node->mMeshes[i] >= import->scene->mNumMeshes)
             return error_at(import->err, ERROR_INPUT, import->path, 0, "a mesh is missing");
         const struct aiMesh *mesh = import->scene->mMeshes[node->mMeshes[i]];
-        if (!mesh_send(import, mesh, &world, name != NULL ? name : group_name(node, mesh)))
+        if (!mesh_send(import, mesh, &world, name != NULL ? name : group_name(import, node, mesh)))
             return false;
+        import->shown[node->mMeshes[i]] = true;
     }
     for (unsigned i = 0; i < node->mNumChildren; i++)
         if (!node_send(import, node->mChildren[i], &world))
             return false;
+    return true;
+}
+
+/* A 3DS file may have key frames for some of its meshes: assimp forgets the others. */
+static bool forgotten_send(Import *import)
+{
+    const struct aiNode *root = import->scene->mRootNode;
+
+    if (root == NULL)
+        return true;
+    const Affine world = affine_get(&root->mTransformation);
+    for (unsigned i = 0; import->known.format == FORMAT_3DS && i < import->scene->mNumMeshes; i++) {
+        const struct aiMesh *mesh = import->scene->mMeshes[i];
+        if (!import->shown[i] && !mesh_send(import, mesh, &world, group_name(import, root, mesh)))
+            return false;
+    }
     return true;
 }
 
@@ -317,38 +365,95 @@ static bool node_find(const struct aiNode *node, const char *name, const Affine 
 
 /* --- lights and cameras of other formats ------------------------------------------------------ */
 
+/* Where what is called so stands. 3DS says it in the world's axes; what the key frames say is the
+ * same once more. */
+static Affine place_find(const Import *import, const struct aiString *name)
+{
+    const struct aiNode *root = import->scene->mRootNode;
+    Affine place = affine_identity();
+    const Affine still = place;
+
+    if (root != NULL && import->known.format == FORMAT_3DS)
+        return affine_get(&root->mTransformation);
+    if (root != NULL)
+        (void)node_find(root, name->data, &still, &place);
+    return place;
+}
+
+static Vec3 vec3_get(const struct aiVector3D *v)
+{
+    return vec3((double)v->x, (double)v->y, (double)v->z);
+}
+
+/* The whole horizontal angle of a camera, radians. 3DS gives a focal length, which assimp takes for
+ * degrees: the format's programs see 2400 degrees over it. */
+static double camera_width(const Import *import, const struct aiCamera *from)
+{
+    const double angle = (double)from->mHorizontalFOV;
+
+    return import->known.format == FORMAT_3DS
+           ? 2400 / (angle * degrees_per_radian) / degrees_per_radian : angle;
+}
+
 static void camera_send(Import *import, const struct aiCamera *from)
 {
-    const Affine still = affine_identity();
-    Affine world = still;
+    const Affine world = place_find(import, &from->mName);
+    const double half = tan(camera_width(import, from) / 2);
+    const Vec3 ahead = vec3_get(&from->mLookAt);
+    Vec3 up = vec3_get(&from->mUp);
     Camera camera = { .aspect = from->mAspect > 0 ? (double)from->mAspect : 0 };
-    const double half = tan((double)from->mHorizontalFOV / 2);
 
-    (void)node_find(import->scene->mRootNode, from->mName.data, &still, &world);
-    camera.eye = affine_point(&world, vec3((double)from->mPosition.x, (double)from->mPosition.y,
-                                           (double)from->mPosition.z));
-    const Vec3 look = affine_vector(&world, vec3((double)from->mLookAt.x, (double)from->mLookAt.y,
-                                                 (double)from->mLookAt.z));
+    if (import->known.format == FORMAT_3DS)
+        up = discreet_up(vec3_unit(ahead), up);
+    camera.eye = affine_point(&world, vec3_get(&from->mPosition));
+    const Vec3 look = affine_vector(&world, ahead);
     camera.target = vec3_add(camera.eye, vec3_unit(look));
-    camera.up = vec3_unit(affine_vector(&world, vec3((double)from->mUp.x, (double)from->mUp.y,
-                                                     (double)from->mUp.z)));
-    /* assimp's angle is the whole horizontal one; without an aspect the view counts as square. */
+    camera.up = vec3_unit(affine_vector(&world, up));
+    /* Without an aspect the view counts as square. */
     camera.vertical_fov = 2 * degrees_per_radian
                           * atan(half / (camera.aspect > 0 ? camera.aspect : 1));
     snprintf(camera.name, sizeof camera.name, "%.63s", from->mName.data);
-    if (!(camera.vertical_fov > 0 && camera.vertical_fov < 180) || !vec3_finite(camera.eye) ||
-        !(vec3_length(vec3_cross(look, camera.up)) > 0)) {
+    if (!(camera.vertical_fov > 0 && camera.vertical_fov < 180) || !isfinite(camera.aspect) ||
+        !vec3_finite(camera.eye) || !(vec3_length(vec3_cross(look, camera.up)) > 0)) {
         pipe_put_warning(import->out, "camera-ignored", camera.name, "it does not look anywhere");
         return;
     }
     pipe_put_camera(import->out, &camera);
 }
 
+/* What the light's colour is divided by at a distance of 1: its fall with the square of distance,
+ * which files give in their own unit. FBX has no such number, but assimp makes one up. */
+static double light_fall(const Import *import, const struct aiLight *from)
+{
+    const struct aiNode *node = import->scene->mRootNode;
+    const Affine root = node != NULL ? affine_get(&node->mTransformation) : affine_identity();
+    const double unit = cbrt(fabs(affine_determinant(&root)));
+
+    if (import->known.format == FORMAT_FBX || !(from->mAttenuationQuadratic > 0) || !(unit > 0) ||
+        !isfinite(from->mAttenuationQuadratic))
+        return 1;
+    return (double)from->mAttenuationQuadratic / (unit * unit);
+}
+
+/* assimp's cone angles are whole ones; in 3DS it adds the inner one to the outer, in COLLADA it
+ * puts one more round the only one there is. */
+static void spot_shape(const Import *import, const struct aiLight *from, Light *light)
+{
+    const double inner = (double)from->mAngleInnerCone;
+    double outer = (double)from->mAngleOuterCone;
+
+    if (import->known.format == FORMAT_3DS)
+        outer -= inner;
+    else if (import->known.format == FORMAT_COLLADA && !import->known.cones)
+        outer = inner;
+    light->kind = LIGHT_SPOT;
+    light->cos_outer = cos(fmin(fabs(outer) / 2, M_PI / 2));
+    light->cos_inner = fmax(cos(fmin(fabs(inner) / 2, M_PI / 2)), light->cos_outer);
+}
+
 static void light_send(Import *import, const struct aiLight *from)
 {
-    const Affine still = affine_identity();
-    Affine world = still;
-    const double far = from->mAttenuationQuadratic > 0 ? (double)from->mAttenuationQuadratic : 1;
+    const Affine world = place_find(import, &from->mName);
     Light light = { .kind = LIGHT_POINT, .cos_inner = -1, .cos_outer = -1 };
 
     snprintf(light.name, sizeof light.name, "%.63s", from->mName.data);
@@ -357,21 +462,19 @@ static void light_send(Import *import, const struct aiLight *from)
                          "only point and spot lights can be used");
         return;
     }
-    (void)node_find(import->scene->mRootNode, from->mName.data, &still, &world);
-    light.position = affine_point(&world, vec3((double)from->mPosition.x,
-                                               (double)from->mPosition.y,
-                                               (double)from->mPosition.z));
-    light.direction = vec3_unit(affine_vector(&world, vec3((double)from->mDirection.x,
-                                                           (double)from->mDirection.y,
-                                                           (double)from->mDirection.z)));
-    light.intensity = rgb((double)from->mColorDiffuse.r / far, (double)from->mColorDiffuse.g / far,
-                          (double)from->mColorDiffuse.b / far);
-    if (from->mType == aiLightSource_SPOT) {
-        light.kind = LIGHT_SPOT;
-        light.cos_outer = cos(fmin((double)from->mAngleOuterCone / 2, M_PI / 2));
-        light.cos_inner = cos(fmin((double)from->mAngleInnerCone / 2, M_PI / 2));
-        light.cos_inner = fmax(light.cos_inner, light.cos_outer);
+    light.position = affine_point(&world, vec3_get(&from->mPosition));
+    light.direction = vec3_unit(affine_vector(&world, vec3_get(&from->mDirection)));
+    light.intensity = rgb_scale(rgb((double)from->mColorDiffuse.r, (double)from->mColorDiffuse.g,
+                                    (double)from->mColorDiffuse.b), 1 / light_fall(import, from));
+    const Rgb i = light.intensity;
+    if (!vec3_finite(light.position) || !vec3_finite(light.direction) ||
+        !(i.r >= 0 && i.g >= 0 && i.b >= 0 && isfinite(i.r + i.g + i.b))) {
+        pipe_put_warning(import->out, "light-ignored", light.name,
+                         "its place or intensity is not finite or below 0");
+        return;
     }
+    if (from->mType == aiLightSource_SPOT)
+        spot_shape(import, from, &light);
     pipe_put_warning(import->out, "light-units", light.name,
                      "this format gives lights no unit: the intensity is taken as candela");
     pipe_put_light(import->out, &light);
@@ -379,44 +482,38 @@ static void light_send(Import *import, const struct aiLight *from)
 
 /* --- the whole -------------------------------------------------------------------------------- */
 
-static void warning_pass(void *user, const char *code, const char *where, const char *text)
+static double meta_number(const struct aiScene *scene, const char *key, double fallback)
 {
-    pipe_put_warning(user, code, where, "%s", text);
+    const struct aiMetadata *meta = scene->mMetaData;
+
+    for (unsigned i = 0; meta != NULL && i < meta->mNumProperties; i++) {
+        const struct aiMetadataEntry *entry = &meta->mValues[i];
+        if (strcmp(meta->mKeys[i].data, key) != 0 || entry->mData == NULL)
+            continue;
+        switch (entry->mType) {
+        case AI_INT32: return (double)*(const int32_t *)entry->mData;
+        case AI_FLOAT: return (double)*(const float *)entry->mData;
+        case AI_DOUBLE: return *(const double *)entry->mData;
+        default: return fallback;
+        }
+    }
+    return fallback;
 }
 
-/* Reads the JSON, sends what it says, and puts the reduced file in place of the true one. */
-static bool gltf_prepare(Import *import, size_t at)
+/* FBX says which axis is up and how many centimetres a unit has; assimp does nothing about it. */
+static void fbx_settings_send(Import *import)
 {
-    const Monitor monitor = { .user = import->out, .warn = warning_pass };
-    const ImportFile *file = &import->files.file[at];
-    GltfParts parts;
-    size_t size = 0;
+    static const double centimetres = 100; /* in a metre */
+    const double axis = meta_number(import->scene, "UpAxis", 1);
+    const double sign = meta_number(import->scene, "UpAxisSign", 1) < 0 ? -1 : 1;
+    const double unit = meta_number(import->scene, "UnitScaleFactor", 1);
 
-    if (!gltf_split(import->path, (const uint8_t *)file->bytes, file->size, &parts, import->err))
-        return false;
-    import->gltf = gltf_read(import->path, parts.json, parts.json_size, &monitor, import->err);
-    const Gltf *gltf = import->gltf;
-    if (gltf == NULL)
-        return false;
-    for (size_t i = 0; i < gltf->material_count; i++)
-        pipe_put_material(import->out, &gltf->material[i]);
-    for (size_t i = 0; i < gltf->light_count; i++)
-        pipe_put_light(import->out, &gltf->light[i]);
-    for (size_t i = 0; i < gltf->camera_count; i++)
-        pipe_put_camera(import->out, &gltf->camera[i]);
-    uint8_t *bytes = gltf_join(&parts, gltf->reduced, strlen(gltf->reduced), &size, import->err);
-    if (bytes == NULL)
-        return false;
-    import_files_replace(&import->files, at, (char *)bytes, size);
-    return true;
-}
-
-static bool gltf_has_mesh(const Gltf *gltf)
-{
-    for (size_t i = 0; i < gltf->node_count; i++)
-        if (gltf->node[i].present && gltf->node[i].mesh != SIZE_MAX)
-            return true;
-    return false;
+    pipe_put_kind(import->out, RECORD_UP);
+    pipe_put_vec3(import->out, vec3(axis == 0 ? sign : 0, axis != 0 && axis != 2 ? sign : 0,
+                                    axis == 2 ? sign : 0));
+    if (unit != centimetres)
+        pipe_put_warning(import->out, "length-unit", import->path,
+                         "this file says that its unit of length is %g m", unit / centimetres);
 }
 
 /* assimp's sentences may hold its own function names and several lines: the first line will do. */
@@ -437,13 +534,17 @@ static bool scene_send(Import *import)
     const Affine still = affine_identity();
     const struct aiScene *scene = import->scene;
 
-    if (!materials_send(import))
+    import->shown = array_create(scene->mNumMeshes, sizeof *import->shown, "meshes", import->err);
+    if (import->shown == NULL || !materials_send(import))
         return false;
-    for (unsigned i = 0; import->gltf == NULL && i < scene->mNumLights; i++)
+    if (import->known.format == FORMAT_FBX)
+        fbx_settings_send(import);
+    for (unsigned i = 0; import->known.gltf == NULL && i < scene->mNumLights; i++)
         light_send(import, scene->mLights[i]);
-    for (unsigned i = 0; import->gltf == NULL && i < scene->mNumCameras; i++)
+    for (unsigned i = 0; import->known.gltf == NULL && i < scene->mNumCameras; i++)
         camera_send(import, scene->mCameras[i]);
-    return scene->mRootNode == NULL || node_send(import, scene->mRootNode, &still);
+    return (scene->mRootNode == NULL || node_send(import, scene->mRootNode, &still)) &&
+           forgotten_send(import);
 }
 
 static bool import_run(Import *import)
@@ -461,12 +562,11 @@ static bool import_run(Import *import)
     if (!import_files_get(&import->files, import->path, &at))
         return error_set(import->err, import->files.err.code != ERROR_NONE
                          ? import->files.err.code : ERROR_MEMORY, "%s", import->files.err.text);
-    if (strcasecmp(dot, ".gltf") == 0 || strcasecmp(dot, ".glb") == 0) {
-        if (!gltf_prepare(import, at))
-            return false;
-        if (!gltf_has_mesh(import->gltf))
-            return true; /* the parent says that there are no faces */
-    }
+    if (!import_prepare(&import->known, import->path, &import->files, at, import->out,
+                        import->err))
+        return false;
+    if (import->known.nothing)
+        return true; /* the parent says that there are no faces */
     import->scene = aiImportFileEx(import->path, 0, &io);
     if (import->scene == NULL)
         return failure_tell(import);

@@ -10,6 +10,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/array.h"
 #include "base/file.h"
@@ -41,7 +43,7 @@ static const Monitor *reader_monitor(const ObjReader *r) { return r->target->opt
  * another machine are common. */
 static bool library_path(const char *obj, char *name, char *path, size_t size)
 {
-    FILE *probe;
+    struct stat info;
 
     for (char *c = name; *c != 0; c++)
         if (*c == '\\')
@@ -51,11 +53,9 @@ static bool library_path(const char *obj, char *name, char *path, size_t size)
     for (int i = 0; i < 2; i++) {
         if (tries[i][0] == 0 || !file_beside(obj, tries[i], path, size))
             continue;
-        probe = fopen(path, "rbe");
-        if (probe != NULL) {
-            fclose(probe);
+        /* Not by opening it: a named pipe would wait for a writer. */
+        if (stat(path, &info) == 0 && S_ISREG(info.st_mode) && access(path, R_OK) == 0)
             return true;
-        }
     }
     return false;
 }

@@ -182,6 +182,19 @@ static bool camera_take(Receiver *r, Error *err)
     return r->target->scene == NULL || scene_add_camera(r->target->scene, &camera, err);
 }
 
+static bool up_take(Receiver *r)
+{
+    const Vec3 up = pipe_get_vec3(&r->in);
+
+    if (r->in.state != PIPE_GOOD)
+        return false;
+    if (!vec3_finite(up) || !(vec3_length(up) > 0))
+        return pipe_nonsense(&r->in);
+    if (r->target->scene != NULL)
+        r->target->scene->up = vec3_unit(up);
+    return true;
+}
+
 static bool warning_take(Receiver *r)
 {
     char code[64], where[256], text[512];
@@ -221,6 +234,7 @@ static bool record_take(Receiver *r, bool *complete, Error *err)
     case RECORD_PART: return part_take(r, err);
     case RECORD_LIGHT: return light_take(r, err);
     case RECORD_CAMERA: return camera_take(r, err);
+    case RECORD_UP: return up_take(r);
     case RECORD_WARNING: return warning_take(r);
     case RECORD_ERROR: return error_take(r, err);
     case RECORD_LOOSE: r->target->loose += pipe_get_u64(&r->in); return r->in.state == PIPE_GOOD;

@@ -25,6 +25,7 @@ typedef enum {
     RECORD_PART = 'P',     /* group name, material, vertices, faces */
     RECORD_LIGHT = 'L',
     RECORD_CAMERA = 'C',
+    RECORD_UP = 'U',       /* the file's own up */
     RECORD_WARNING = 'W',  /* code, where, text */
     RECORD_LOOSE = 'O',    /* points and lines that were ignored */
     RECORD_ERROR = 'E',    /* code, text; the last record */
