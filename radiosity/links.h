@@ -58,13 +58,16 @@ void   links_report(const Links *links, LinksReport *report);
 bool   links_check(const Links *links);
 
 /* Enforces what must hold, as a step of its own that leaves the raw links to the caller: a new
- * Links. ROWS: each row scaled so that it and its escape sum to 1 (factors to lamps, which are known
- * better, stay as they are where that is possible). RECIPROCITY: A_i F_ij and A_j F_ji become their mean, weighted by 1/A_i and 1/A_j, the inverses of their variances (between
- * a lamp and another patch: what the other found by visibility rays). BOTH: reciprocity, then one
- * factor per patch, d_i d_j, so that rows hold to 1e-7 ([sinkhorn67] in its symmetric form, found by
- * Newton's method; factors between a lamp and another patch change less, because they are known
- * better); zeros stay zero, nothing becomes negative, escape stays. What was reached is in a
- * links_report of the result.
+ * Links.
+ *   ROWS         each row scaled so that it and its escape sum to 1; factors to lamps, which are
+ *                known better, stay as they are where that is possible
+ *   RECIPROCITY  A_i F_ij and A_j F_ji become their mean, weighted by 1/A_i and 1/A_j, the inverses
+ *                of their variances; between a lamp and another patch, what the other found by
+ *                visibility rays
+ *   BOTH         reciprocity, then one factor per patch, d_i d_j on links and d_i on escape, so
+ *                that rows hold to 1e-7 ([sinkhorn67] in its symmetric form, found by Newton's
+ *                method; less on links between a lamp and another patch)
+ * Zeros stay zero, nothing becomes negative. What was reached is in a links_report of the result.
  * fails  NULL; ERROR_MEMORY, ERROR_STOPPED. A BOTH that cannot converge gives its best and warns
  *        ("closure-missed"). */
 Links *links_close(const Links *links, Closure closure, unsigned threads, const Monitor *monitor,

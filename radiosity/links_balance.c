@@ -1,16 +1,20 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* radiosity/links_balance.c -- scales a symmetric matrix until its rows have given sums.
+/* radiosity/links_balance.c -- scales a symmetric matrix until its rows sum to the patches' areas.
  *
- * Wanted is S'_ij = S_ij exp(v_ij (x_i + x_j)) with row sums t_i: of all symmetric matrices with
- * these rows and the same zeros, the one nearest to S when entry ij is uncertain by v_ij S_ij (the
- * relative entropy's minimum; [sinkhorn67] for v = 1). v is 1, and less between a lamp and another
- * patch: such pairs were sampled by visibility rays and must not take on the noise of the rest.
- * x minimises a convex function with gradient (row sums - t) and Hessian D + M,
- * M_ij = v_ij S'_ij, D its row sums. Far off, Sinkhorn's fixed point steps; near, Newton steps by
+ * Wanted is S'_ij = S_ij exp(v_ij (x_i + x_j)) whose row, together with what escapes from it,
+ * e_i exp(x_i), sums to A_i: of all symmetric matrices with such rows and the same zeros, the one
+ * nearest to S when entry ij is uncertain by v_ij S_ij (the relative entropy's minimum; [sinkhorn67]
+ * for v = 1 and e = 0). v is 1, and less between a lamp and another patch: such pairs were sampled
+ * by visibility rays and must not take on the noise of the rest. Escape was counted by the same
+ * rays as the rest, so it gives way too; were it fixed, two walls that see each other and the sky
+ * only could not be balanced, because both sums are given and differ by chance.
+ * x minimises a convex function with gradient (row sums - A) and Hessian D + M, M_ij = v_ij S'_ij,
+ * D the row sums of M and e exp(x). Far off, Sinkhorn's fixed point steps; near, Newton steps by
  * preconditioned conjugate gradients [knight13]. */
 #include <assert.h>
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #include "base/array.h"
 #include "base/parallel.h"
@@ -38,6 +42,10 @@ static const double ROUNDED_TO_ZERO = 1e4 * DBL_EPSILON;
 
 enum { STEPS_MAX = 100, GRADIENT_STEPS_MAX = 200 };
 
+/* Steps without a gain of a tenth after which rows that no scaling can balance are given up. */
+enum { PATIENCE = 8 };
+static const double GAIN = 0.9;
+
 /* A conjugate gradient solve goes on until its residual is this share of the first, between these
  * two: as far as Newton's step, whose own error is about the square of the rows', can make use of,
  * and no further than the goal. */
@@ -50,15 +58,16 @@ typedef struct {
 
 typedef struct {
     const Links *pairs;      /* form_factor holds S */
-    const double *target;    /* [count]  0: the row is empty and left alone */
+    const bool  *alone;      /* [count]  the row is empty and left as it is */
     unsigned threads;
     uint32_t count;
     Term   *term[2];         /* [count]  as seen by a row that is no lamp, and by a lamp's */
     double *plain, *thin;    /* [count]  exp(x), exp(v x) */
     double *x;               /* [count] */
+    double *sky;             /* [count]  e exp(x) */
     double *sum_plain, *sum_thin; /* [count]  results of multiply */
     double *weight;          /* [count]  D */
-    double *gradient;        /* [count]  t - row sums, then CG's residual */
+    double *gradient;        /* [count]  A - row sums, then CG's residual */
     double *step, *direction, *image; /* [count] */
 } Balance;
 
@@ -92,33 +101,42 @@ static void multiply(Balance *b, const double *by)
     parallel_for(b->count, BALANCE_CHUNK, b->threads, multiply_chunk, b, NULL, NULL);
 }
 
-/* Row sums at x: fills gradient and weight; returns the greatest error relative to the area. */
-static double measure(Balance *b)
+/* How far rows are from their sums: the greatest error, and the sum of all, as shares of area. */
+typedef struct {
+    double worst, sum;
+} RowError;
+
+/* Row sums at x: fills gradient, sky and weight. */
+static RowError measure(Balance *b)
 {
-    double worst = 0;
+    RowError error = { 0 };
+    const Links *pairs = b->pairs;
     for (uint32_t i = 0; i < b->count; i++) {
         b->plain[i] = exp(b->x[i]);
         b->thin[i] = exp(LAMP_VARIANCE * b->x[i]);
+        b->sky[i] = pairs->area[i] * pairs->escape[i] * b->plain[i];
     }
     multiply(b, NULL);
     for (uint32_t i = 0; i < b->count; i++) {
-        b->weight[i] = b->sum_plain[i] + LAMP_VARIANCE * b->sum_thin[i];
+        b->weight[i] = b->sum_plain[i] + LAMP_VARIANCE * b->sum_thin[i] + b->sky[i];
         b->gradient[i] = 0;
-        if (!(b->target[i] > 0))
+        if (b->alone[i])
             continue;
-        b->gradient[i] = b->target[i] - b->sum_plain[i] - b->sum_thin[i];
-        worst = fmax(worst, fabs(b->gradient[i]) / b->pairs->area[i]);
+        b->gradient[i] = pairs->area[i] - b->sum_plain[i] - b->sum_thin[i] - b->sky[i];
+        error.worst = fmax(error.worst, fabs(b->gradient[i]) / pairs->area[i]);
+        error.sum += fabs(b->gradient[i]);
     }
-    return worst;
+    return error;
 }
 
+/* Half of what would set the row right alone, because its partners do as much; all of the sky's. */
 static void sinkhorn_step(Balance *b)
 {
     for (uint32_t i = 0; i < b->count; i++) {
-        const double sum = b->target[i] - b->gradient[i];
+        const double area = b->pairs->area[i], sum = area - b->gradient[i];
         b->step[i] = 0;
-        if (b->target[i] > 0 && sum > 0 && b->weight[i] > 0)
-            b->step[i] = log(b->target[i] / sum) * sum / (2 * b->weight[i]);
+        if (!b->alone[i] && sum > 0)
+            b->step[i] = log(area / sum) * sum / (2 * b->weight[i] - b->sky[i]);
     }
 }
 
@@ -134,7 +152,7 @@ static double dot(const Balance *b, const double *p, const double *q)
 static double precondition(const Balance *b, const double *p, double *q)
 {
     for (uint32_t i = 0; i < b->count; i++)
-        q[i] = b->target[i] > 0 && b->weight[i] > 0 ? p[i] / b->weight[i] : 0;
+        q[i] = !b->alone[i] && b->weight[i] > 0 ? p[i] / b->weight[i] : 0;
     return dot(b, p, q);
 }
 
@@ -177,36 +195,36 @@ static void newton_step(Balance *b, double error)
     }
 }
 
+/* Each entry of its own: rows that run away for want of a balance must not hold up the others. */
 static void take_step(Balance *b)
 {
-    double longest = 0;
     for (uint32_t i = 0; i < b->count; i++)
-        longest = fmax(longest, fabs(b->step[i]));
-    const double scale = longest > LONGEST_STEP ? LONGEST_STEP / longest : 1;
-    for (uint32_t i = 0; i < b->count; i++)
-        b->x[i] += scale * b->step[i];
+        b->x[i] += fmin(fmax(b->step[i], -LONGEST_STEP), LONGEST_STEP);
 }
 
 static bool iterate(Balance *b, double *best_x, const Monitor *monitor, double *reached)
 {
-    double error = measure(b), before = INFINITY;
-    *reached = INFINITY;
+    RowError error = measure(b);
+    double best = INFINITY, before = INFINITY, milestone = INFINITY;
+    int patience = PATIENCE;
     for (int k = 0;; k++) {
-        if (error < *reached) {
-            *reached = error;
-            for (uint32_t i = 0; i < b->count; i++)
-                best_x[i] = b->x[i];
+        if (error.sum < best) {
+            best = error.sum;
+            *reached = error.worst;
+            memcpy(best_x, b->x, b->count * sizeof *best_x);
         }
-        if (error <= BALANCE_GOAL || k == STEPS_MAX)
+        patience = error.sum < GAIN * milestone ? PATIENCE : patience - 1;
+        milestone = patience == PATIENCE ? error.sum : milestone;
+        if (error.worst <= BALANCE_GOAL || k == STEPS_MAX || patience == 0)
             return true;
         if (monitor_stop(monitor))
             return false;
-        if (error < NEWTON_BELOW && error < before)
-            newton_step(b, error);
+        if (error.worst < NEWTON_BELOW && error.sum < before)
+            newton_step(b, error.worst);
         else
             sinkhorn_step(b);
         take_step(b);
-        before = error;
+        before = error.sum;
         error = measure(b);
     }
 }
@@ -228,7 +246,7 @@ static void scale_chunk(void *context, uint32_t begin, uint32_t end, unsigned wo
 
 static bool balance_init(Balance *b, Error *err)
 {
-    double **const arrays[] = { &b->plain, &b->thin, &b->x, &b->sum_plain, &b->sum_thin,
+    double **const arrays[] = { &b->plain, &b->thin, &b->x, &b->sky, &b->sum_plain, &b->sum_thin,
                                 &b->weight, &b->gradient, &b->step, &b->direction, &b->image };
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         *arrays[k] = array_create(b->count, sizeof(double), "the closure", err);
@@ -239,7 +257,7 @@ static bool balance_init(Balance *b, Error *err)
 
 static void balance_clear(Balance *b)
 {
-    double *const arrays[] = { b->plain, b->thin, b->x, b->sum_plain, b->sum_thin,
+    double *const arrays[] = { b->plain, b->thin, b->x, b->sky, b->sum_plain, b->sum_thin,
                                b->weight, b->gradient, b->step, b->direction, b->image };
     for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
         array_free(arrays[k]);
@@ -247,19 +265,21 @@ static void balance_clear(Balance *b)
     array_free(b->term[1]);
 }
 
-bool links_balance(Links *pairs, const double *target, unsigned threads, const Monitor *monitor,
+bool links_balance(Links *pairs, const bool *alone, unsigned threads, const Monitor *monitor,
                    double *reached, Error *err)
 {
-    assert(pairs != NULL && pairs->lamp != NULL && target != NULL);
-    Balance b = { .pairs = pairs, .target = target, .threads = threads, .count = pairs->count };
+    assert(pairs != NULL && pairs->lamp != NULL && alone != NULL);
+    Balance b = { .pairs = pairs, .alone = alone, .threads = threads, .count = pairs->count };
     double *best_x = array_create(pairs->count, sizeof *best_x, "the closure", err);
     bool done = best_x != NULL && balance_init(&b, err);
+    *reached = 0;
     if (done) {
         done = iterate(&b, best_x, monitor, reached) ||
                error_set(err, ERROR_STOPPED, "stopped while closing form factors");
         for (uint32_t i = 0; i < b.count; i++) {
             b.plain[i] = exp(best_x[i]);
             b.thin[i] = exp(LAMP_VARIANCE * best_x[i]);
+            pairs->escape[i] = (float)fmin(pairs->escape[i] * b.plain[i], 1);
         }
         parallel_for(b.count, BALANCE_CHUNK, threads, scale_chunk, &b, NULL, NULL);
     }

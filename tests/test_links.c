@@ -427,6 +427,32 @@ static void test_closure_alone(void **state)
     links_destroy(closed);
 }
 
+static void test_two_walls(void **state)
+{
+    (void)state;
+    /* Two walls that see each other and the sky: both sides' sums are counted by chance, and yet one
+     * matrix must serve both. F between perpendicular unit squares with a common edge: 0.200043776. */
+    TestRoom r = { 0 };
+    const uint32_t m = room_material(&r, 0.5, 1);
+    room_quad(&r, ORIGIN, vec3(1, 0, 0), vec3(0, 1, 0), m, "floor");
+    room_quad(&r, ORIGIN, vec3(0, 0, 1), vec3(1, 0, 0), m, "wall");
+    room_finish(&r, 0.1, &(SidesOptions){ 0 }, NULL, 0, NULL);
+    assert_int_equal(r.report.front, 2);
+    Warnings warnings = { 0 };
+    const Monitor monitor = { .user = &warnings, .warn = note };
+    Error err = { 0 };
+    Links *raw = room_links(&r, 256, CLOSURE_NONE);
+    Links *links = links_close(raw, CLOSURE_BOTH, 0, &monitor, &err);
+    LinksReport report;
+    links_report(links, &report);
+    assert_int_equal(warnings.count, 0);
+    assert_true(report.row_sum_error_max < 1e-6 && report.reciprocity_error_max < 1e-6);
+    assert_true(fabs(report.escaped - (1 - 0.200043776)) < 3 * sqrt(0.2 * 0.8 / (200 * 256)));
+    links_destroy(raw);
+    links_destroy(links);
+    room_clear(&r);
+}
+
 /* --- the program's promises --------------------------------------------------------------------------- */
 
 static void make_lit_room(TestRoom *r, double size)
@@ -523,8 +549,9 @@ int main(void)
         cmocka_unit_test(test_furnace_plate),  cmocka_unit_test(test_furnace_l_room),
         cmocka_unit_test(test_cube_light),     cmocka_unit_test(test_plate_light),
         cmocka_unit_test(test_box_on_floor),   cmocka_unit_test(test_closure_impossible),
-        cmocka_unit_test(test_closure_alone),  cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_limits),         cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_closure_alone),  cmocka_unit_test(test_two_walls),
+        cmocka_unit_test(test_threads),        cmocka_unit_test(test_limits),
+        cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
