@@ -68,12 +68,12 @@ $(BUILD)/isolux: $(APP_OBJECTS) $(BUILD)/libisolux.a
 	@echo "  LINK $@"
 	$(Q)$(LINK) -o $@ $^ $(LDFLAGS) $(LIBS)
 
-$(BUILD)/libisolux.a: $(OBJECTS) $(BUILD)/objects
+$(BUILD)/libisolux.a: $(OBJECTS) $(BUILD)/sources
 	@echo "  AR   $@"
 	@rm -f $@
 	$(Q)$(AR) rcs $@ $(OBJECTS)
 
-$(SHARED): $(OBJECTS) $(BUILD)/objects
+$(SHARED): $(OBJECTS) $(BUILD)/sources
 	@echo "  LINK $@"
 	$(Q)$(LINK) -shared -Wl,-soname,libisolux.so.$(SOVERSION) -o $@ $(OBJECTS) $(LDFLAGS) $(LIBS)
 	@ln -sf libisolux.so $@.$(SOVERSION)
@@ -85,9 +85,9 @@ $(BUILD)/options: always
 	@mkdir -p $(@D)
 	@echo '$(CC) $(CXX) $(subst ','\'',$(ALL_CFLAGS) $(ALL_CXXFLAGS))' | cmp -s - $@ || \
 	  echo '$(CC) $(CXX) $(subst ','\'',$(ALL_CFLAGS) $(ALL_CXXFLAGS))' >$@
-$(BUILD)/objects: always
+$(BUILD)/sources: always
 	@mkdir -p $(@D)
-	@echo '$(OBJECTS)' | cmp -s - $@ || echo '$(OBJECTS)' >$@
+	@echo '$(SOURCES)' | cmp -s - $@ || echo '$(SOURCES)' >$@
 
 # What is missing is told once, before the compiler tells it in its own way.
 $(BUILD)/libraries-found: tools/deps.sh
@@ -221,8 +221,12 @@ SCENEDIR   := $(DESTDIR)$(PREFIX)/share/isolux/scenes
 HEADERS     = $(shell tools/headers.sh $(FOLDERS))
 DOCUMENTS  := $(wildcard LICENSE README.md CHANGELOG.md docs/*.md)
 
-.PHONY: install uninstall
+.PHONY: install install-files uninstall
 install: all
+	@$(MAKE) --no-print-directory install-files
+
+# What is built, as it is: a test may run this while others use the build.
+install-files:
 	@install -d $(BINDIR) $(LIBDIR)/pkgconfig $(DOCDIR) $(SCENEDIR) $(FOLDERS:%=$(HEADERDIR)/%)
 	@install -m 755 $(BUILD)/isolux $(BINDIR)/isolux
 	@install -m 644 $(BUILD)/libisolux.a $(LIBDIR)/libisolux.a

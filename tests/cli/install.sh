@@ -20,7 +20,7 @@ install() {
     make --no-print-directory config="$CONFIG" BUILD="$BUILD" CC="$CC" DESTDIR="$root" \
         PREFIX="$prefix" "$1" >"$work/make.log" 2>&1 || { cat "$work/make.log"; false; }
 }
-install install
+install install-files
 tell $? "make install with DESTDIR and PREFIX"
 
 export PKG_CONFIG_PATH=$root$prefix/lib/pkgconfig PKG_CONFIG_SYSROOT_DIR=$root
