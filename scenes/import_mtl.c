@@ -83,7 +83,8 @@ void library_clear(MaterialLibrary *library)
 /* --- meaning ---------------------------------------------------------------------------------- */
 
 /* illum 3 to 9 ask for traced reflections; 4, 6, 7 and 9 for transparency; 0 and 1 have no
- * specular part. Without illum: 2. */
+ * specular part, unless there is nothing else: many exporters write illum 1 whatever they mean, and
+ * a metal must not turn into a hole. Without illum: 2. */
 static Material entry_material(const MtlEntry *entry)
 {
     Material m = material_default();
@@ -97,7 +98,7 @@ static Material entry_material(const MtlEntry *entry)
     /* Without Kd: grey, but a lamp, a mirror or a pane that says no more is only that. */
     m.reflectance = rgb_scale(!entry->has_kd && special ? rgb(0, 0, 0) : entry->kd, alpha);
     m.emission = entry->ke;
-    if (illum >= 2) {
+    if (illum >= 2 || (entry->has_kd && rgb_max(entry->kd) == 0)) {
         m.specular = entry->ks;
         m.exponent = illum >= 3 && illum <= 9 && entry->ns >= mirror_exponent ? INFINITY
                                                                              : fmax(entry->ns, 0);
