@@ -105,7 +105,7 @@ static void patch_chunk(void *context, uint32_t begin, uint32_t end, unsigned wo
     }
 }
 
-/* --- what escapes ------------------------------------------------------------------------------ */
+/* --- what escapes ----------------------------------------------------------------------------- */
 
 /* Directions that a light sends into, evenly over the sphere's part it lights. */
 static Vec3 light_direction(const Light *light, double a, double b)
@@ -146,7 +146,7 @@ static void escape_chunk(void *context, uint32_t begin, uint32_t end, unsigned w
     d->scratch[worker].rays += end - begin;
 }
 
-/* --- all lights --------------------------------------------------------------------------------- */
+/* --- all lights ------------------------------------------------------------------------------- */
 
 typedef struct {
     double sent, arrived; /* luminance of power */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* radiosity/direct.h -- what point and spot lights send to patches: H = I cos / d^2, seen or not. */
+/* radiosity/direct.h -- what point and spot lights send to the patches they see: I cos / d^2. */
 #ifndef RADIOSITY_DIRECT_H
 #define RADIOSITY_DIRECT_H
 

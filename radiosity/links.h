@@ -35,7 +35,7 @@ typedef struct {
     float    *form_factor;  /* [first[count]]  from receiver to source, in [0, 1] */
     float    *escape;       /* [count]  share of what leaves that meets nothing */
     double   *area;         /* [count]  visible area: the patch's area outside other solids */
-    uint8_t  *lamp;         /* [count]  1: its factors were sampled from its own side too; NULL: none */
+    uint8_t  *lamp;         /* [count]  1: sampled from its own side as well; NULL: none */
     uint64_t  rays;         /* cast */
     uint64_t  clamped;      /* factors that chance put above 1: limited to it */
     double    seconds;

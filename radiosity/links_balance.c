@@ -3,11 +3,11 @@
  *
  * Wanted is S'_ij = S_ij exp(v_ij (x_i + x_j)) whose row, together with what escapes from it,
  * e_i exp(x_i), sums to A_i: of all symmetric matrices with such rows and the same zeros, the one
- * nearest to S when entry ij is uncertain by v_ij S_ij (the relative entropy's minimum; [sinkhorn67]
- * for v = 1 and e = 0). v is 1, and less between a lamp and another patch: such pairs were sampled
- * by visibility rays and must not take on the noise of the rest. Escape was counted by the same
- * rays as the rest, so it gives way too; were it fixed, two walls that see each other and the sky
- * only could not be balanced, because both sums are given and differ by chance.
+ * nearest to S when entry ij is uncertain by v_ij S_ij (the relative entropy's minimum;
+ * [sinkhorn67] for v = 1 and e = 0). v is 1, and less between a lamp and another patch: such pairs
+ * were sampled by visibility rays and must not take on the noise of the rest. Escape was counted by
+ * the same rays as the rest, so it gives way too; were it fixed, two walls that see each other and
+ * the sky only could not be balanced, because both sums are given and differ by chance.
  * x minimises a convex function with gradient (row sums - A) and Hessian D + M, M_ij = v_ij S'_ij,
  * D the row sums of M and e exp(x). Far off, Sinkhorn's fixed point steps; near, Newton steps by
  * preconditioned conjugate gradients [knight13]. */
@@ -31,7 +31,7 @@ static const double BALANCE_GOAL = 0x1p-25;
  * where counted rays have that of rare events, 1 and more. */
 static const double LAMP_VARIANCE = 1.0 / 64;
 
-/* Newton's region: row sums off by less than this. Before, and after a step that failed, Sinkhorn. */
+/* Newton's region: row sums off by less than this. Else, or after a failed step, Sinkhorn. */
 static const double NEWTON_BELOW = 0.1;
 
 /* No step multiplies an entry by more than e^2. */
@@ -51,7 +51,7 @@ static const double GAIN = 0.9;
  * and no further than the goal. */
 static const double GRADIENT_GOAL_MIN = 0.01, GRADIENT_GOAL_MAX = 0.1;
 
-/* What a patch contributes to the sums of its partners: by the pair's kind, 0 for the other kind. */
+/* What a patch contributes to the sums of its partners: by the kind of the pair. */
 typedef struct {
     double plain, thin;
 } Term;
@@ -169,7 +169,8 @@ static double hessian_product(Balance *b)
     return scale;
 }
 
-/* step = (D + M)^-1 gradient, preconditioned by D, for rows off by `error`. Uses up the gradient. */
+/* step = (D + M)^-1 gradient, preconditioned by D, for rows off by `error`. Uses up the
+ * gradient. */
 static void newton_step(Balance *b, double error)
 {
     const double enough = fmax(error, BALANCE_GOAL / (2 * error));

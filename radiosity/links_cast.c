@@ -75,8 +75,8 @@ static Vec3 ray_direction(const Ray *ray)
 
 /* Resolves all hits, counts each position's good and bad rays, and returns how many rays stay. A
  * position half or more of whose rays meet sides that take no part lies inside a solid: one ray
- * alone may have slipped through a crack. Half, not all: where solids run into each other, some rays
- * from inside the one end on the hidden part of the other, which does take part elsewhere. */
+ * alone may have slipped through a crack. Half, not all: where solids run into each other, some
+ * rays from inside the one end on the hidden part of the other, which does take part elsewhere. */
 static uint32_t judge_positions(RowCast *row, const Room *room)
 {
     for (uint32_t k = 0; k < row->rays; k++) {
@@ -103,11 +103,11 @@ static uint32_t judge_positions(RowCast *row, const Room *room)
     return rays;
 }
 
-/* How much a ray of the hemisphere counts where the lamp's own samples could have found the same: the
- * power heuristic [veach95] over solid angle. The balance heuristic would take the error of a sample
- * for that of a random one, but on a net the smooth integrand of visibility rays converges faster
- * than the edges that rays of the hemisphere hit or miss. Cornell box, 256 rays: factors to the lamp
- * 1.5 % off (rms over patches), 2.5 % with the balance heuristic. */
+/* How much a ray of the hemisphere counts where the lamp's own samples could have found the same:
+ * the power heuristic [veach95] over solid angle. The balance heuristic would take the error of a
+ * sample for that of a random one, but on a net the smooth integrand of visibility rays converges
+ * faster than the edges that rays of the hemisphere hit or miss. Cornell box, 256 rays: factors to
+ * the lamp 1.5 % off (rms over patches), 2.5 % with the balance heuristic. */
 static double hemisphere_weight(const RowCast *row, const Room *room, const LampTable *lamps,
                                 uint32_t k, uint32_t rays)
 {

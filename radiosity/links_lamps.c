@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* radiosity/links_lamps.c -- samples taken from the lamps' own side: a small lamp, which rays of the
- * hemisphere hit by luck only, is always found, and the two kinds are combined [veach95]. */
+/* radiosity/links_lamps.c -- samples taken from the lamps' own side: a small lamp, which rays of
+ * the hemisphere hit by luck only, is always found, and the two kinds are combined [veach95]. */
 #include <assert.h>
 #include <float.h>
 #include <math.h>
@@ -97,7 +97,8 @@ double lamp_density(const Room *room, const LampTable *lamps, uint32_t patch, do
 }
 
 /* One sample: the visibility ray, and what it carries when nothing is in the way; 0: turned away.
- * u chooses the lamp and, by what the choice leaves of it, the place along it; v the place across. */
+ * u chooses the lamp and, by what the choice leaves of it, the place along it; v the place
+ * across. */
 static double aim(RowCast *row, const Room *room, const LampTable *lamps, const PatchPoint *from,
                   double u, double v, double rays, uint32_t *lamp, Ray *ray)
 {
@@ -119,8 +120,8 @@ static double aim(RowCast *row, const Room *room, const LampTable *lamps, const 
     return own * by_lamps / (by_rays * by_rays + by_lamps * by_lamps);
 }
 
-/* Place and lamp are the four coordinates of one net, so that they are spread together. Only where a
- * part of the patch is hidden, the places are those found to be outside solids. */
+/* Place and lamp are the four coordinates of one net, so that they are spread together. Only where
+ * a part of the patch is hidden, the places are those found to be outside solids. */
 void row_cast_lamps(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch,
                     uint32_t seed, double hemisphere_rays)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* radiosity/links_report.c -- links as an object: made, freed, turned over, checked and measured. */
+/* radiosity/links_report.c -- links as an object: made, freed, checked and measured. */
 #include <assert.h>
 #include <math.h>
 

@@ -16,7 +16,7 @@ typedef enum { EMIT_AUTO, EMIT_FRONT, EMIT_BACK, EMIT_BOTH } EmitSide;
 
 typedef struct {
     EmitSide    emit;
-    const Vec3 *eye;        /* [eye_count]  cameras' eyes and measuring points, moved off surfaces */
+    const Vec3 *eye;        /* [eye_count]  cameras, measuring points (moved off surfaces) */
     size_t      eye_count;
     uint32_t    rays;       /* per surface side and round; 0: 32 */
     uint32_t    seed;

@@ -26,7 +26,7 @@ enum { RAYS_ON = 8, BLOCK = 4096, SIDE_CHUNK = 64 };
  * rounds miss is a few small sides behind others that the same round found. */
 enum { ROUNDS_MAX = 64, ROUND_RAYS_MIN = 4 };
 
-/* --- places ------------------------------------------------------------------------------------ */
+/* --- places ----------------------------------------------------------------------------------- */
 
 bool reach_create(Reach *reach, const Surfaces *surfaces, const Bvh *bvh,
                   const SidesOptions *options, const Monitor *monitor, Error *err)
@@ -153,7 +153,7 @@ static Place look_from(const Reach *reach, Place place, double a, double b)
     return place_hit(reach, &hit, d);
 }
 
-/* --- looking on -------------------------------------------------------------------------------- */
+/* --- looking on ------------------------------------------------------------------------------- */
 
 typedef struct {
     Reach   *reach;
@@ -218,7 +218,7 @@ static bool spread_on(Reach *reach)
     return true;
 }
 
-/* --- looking back ------------------------------------------------------------------------------ */
+/* --- looking back ----------------------------------------------------------------------------- */
 
 static bool is_free(const Reach *reach, Vec3 from, Vec3 to)
 {

@@ -48,7 +48,8 @@ typedef struct {
  * matrix' own column, so that all solvers solve the same system. Stopped by max_iterations or the
  * monitor, the result holds the ambient estimate for what was not shot.
  * owns   the caller frees with solution_destroy.
- * fails  NULL; ERROR_MEMORY; ERROR_INPUT for values out of range. A stop by the monitor gives a solution with converged false. */
+ * fails  NULL; ERROR_MEMORY; ERROR_INPUT for values out of range. A stop by the monitor gives a
+ * solution with converged false. */
 Solution *solve(const Links *links, const SolveProblem *problem, const SolveOptions *options,
                 const Monitor *monitor, Error *err);
 Solution *solution_destroy(Solution *solution);
@@ -56,7 +57,7 @@ Solution *solution_destroy(Solution *solution);
 const char *solver_name(Solver solver);
 bool        solver_from_name(const char *name, Solver *solver);
 
-/* Power bookkeeping per band; lights' flux and what of it escapes directly are added by the caller. */
+/* Power bookkeeping per band; the caller adds lights' flux and what of it escapes directly. */
 typedef struct {
     double emitted, absorbed, escaped; /* power */
     double error;                      /* |emitted - absorbed - escaped| / emitted */

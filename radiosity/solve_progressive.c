@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* radiosity/solve_progressive.c -- progressive refinement [cohen88], which is Southwell's relaxation
- * [gortler94]: the patch with the greatest unshot power sends it to all that see it, until little
- * is left. */
+/* radiosity/solve_progressive.c -- progressive refinement [cohen88], which is Southwell's
+ * relaxation [gortler94]: the patch with the greatest unshot power sends it to all that see it,
+ * until little is left. */
 #include <assert.h>
 #include <math.h>
 #include <string.h>

@@ -8,7 +8,8 @@
 #include "base/array.h"
 #include "radiosity/internal.h"
 
-/* Starts at E: the source less what comes from outside, as the literature's iterates do [cohen93]. */
+/* Starts at E: the source less what comes from outside, as the literature's iterates do
+ * [cohen93]. */
 static void start_at_emission(const SolveSystem *system, double *radiosity)
 {
     const size_t values = (size_t)system->links->count * system->bands;
@@ -47,7 +48,7 @@ static void find_diagonal(const Links *links, float *diagonal)
                 diagonal[i] = links->form_factor[k];
 }
 
-/* One pass over all rows in order, each solved for its own value; moved[bands] gets sum A |change|. */
+/* One pass over all rows in order, each solved for its own value; moved: sum of A |change|. */
 static void sweep(const SolveSystem *system, const float *diagonal, double *radiosity,
                   double *received, double *moved)
 {

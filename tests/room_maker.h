@@ -154,7 +154,8 @@ static inline double room_factor(const TestRoom *r, const Links *links, const ch
     return area > 0 ? sum / area : 0;
 }
 
-/* Emission and reflectance of the room's materials, [patches * ROOM_BANDS] each; freed by caller. */
+/* Emission and reflectance of the room's materials, [patches * ROOM_BANDS] each; freed by
+ * caller. */
 static inline void room_problem(const TestRoom *r, double **emission, double **reflectance)
 {
     Error err = { 0 };

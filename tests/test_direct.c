@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Direct light of point and spot lights on patches: CIE 171 test cases 5.2 and 5.4, and balances. */
+/* Direct light of point and spot lights on patches: CIE 171 test cases 5.2 and 5.4, and
+ * balances. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -69,7 +70,8 @@ static void test_cie_5_2(void **state)
     }
 }
 
-/* CIE 171 case 5.4: 10,000 lm in the middle of a room 4 x 4 x 3; flux on each face by solid angle. */
+/* CIE 171 case 5.4: 10,000 lm in the middle of a room 4 x 4 x 3; flux on each face by solid
+ * angle. */
 static void test_cie_5_4(void **state)
 {
     (void)state;
@@ -185,7 +187,8 @@ static void test_hidden(void **state)
             continue;
         const bool under = fmax(fabs(c.x - 0.5), fabs(c.y - 0.5)) < 0.11;
         const double h = direct.irradiance[3 * (size_t)i];
-        /* H = 900/30^2 = 1, less 1.5 (r/30)^2 < 1e-3; the box is too low to shade more than 1e-4. */
+        /* H = 900/30^2 = 1, less 1.5 (r/30)^2 < 1e-3; the box is too low to shade more than
+         * 1e-4. */
         assert_true(under ? h == 0 : fabs(h - 1) < 2e-3);
     }
     array_free(direct.irradiance);

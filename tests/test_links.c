@@ -13,7 +13,7 @@
 
 static const Vec3 ORIGIN = { 0, 0, 0 }, UNIT = { 1, 1, 1 };
 
-/* --- closed forms -------------------------------------------------------------------------------- */
+/* --- closed forms ----------------------------------------------------------------------------- */
 
 static void test_cube_factors(void **state)
 {
@@ -132,7 +132,7 @@ static void test_small_lamp(void **state)
     room_clear(&r);
 }
 
-/* --- furnaces ------------------------------------------------------------------------------------- */
+/* --- furnaces --------------------------------------------------------------------------------- */
 
 static void check_furnace(const TestRoom *r, double rho)
 {
@@ -218,7 +218,7 @@ static void test_furnace_l_room(void **state)
     room_clear(&r);
 }
 
-/* --- rooms with known light ------------------------------------------------------------------------ */
+/* --- rooms with known light ------------------------------------------------------------------- */
 
 static double mean(const TestRoom *r, const Links *links, const Solution *s, const char *group,
                    unsigned side)
@@ -297,9 +297,10 @@ static void test_plate_light(void **state)
                       { "plate", 1, 0.051120198 } };
         for (size_t k = 0; k < sizeof faces / sizeof *faces; k++) {
             const double b = mean(&r, links, s, faces[k].group, faces[k].side);
-            /* What the rays of a face see varies by about its mean: one standard error of the 25,600
-             * rays of the plate is 6.3e-3, of the walls' 10^5 half of that, if they were independent;
-             * on a net and with the lamp sampled, three of them fit in there, and 3e-4 for h. */
+            /* What the rays of a face see varies by about its mean: one standard error of the
+             * 25,600 rays of the plate is 6.3e-3, of the walls' 10^5 half of that, if they were
+             * independent; on a net and with the lamp sampled, three of them fit in there, and 3e-4
+             * for h. */
             assert_true(fabs(b / faces[k].b - 1) < 6.3e-3 + 3e-4);
         }
         solution_destroy(s);
@@ -308,7 +309,7 @@ static void test_plate_light(void **state)
     room_clear(&r);
 }
 
-/* --- inside solids ---------------------------------------------------------------------------------- */
+/* --- inside solids ---------------------------------------------------------------------------- */
 
 static void test_box_on_floor(void **state)
 {
@@ -354,7 +355,7 @@ static void test_box_on_floor(void **state)
     room_clear(&r);
 }
 
-/* --- closures by hand -------------------------------------------------------------------------------- */
+/* --- closures by hand ------------------------------------------------------------------------- */
 
 typedef struct {
     int  count;
@@ -373,7 +374,8 @@ static void note(void *user, const char *code, const char *where, const char *te
 static void test_closure_impossible(void **state)
 {
     (void)state;
-    /* Two patches that see only each other, one twice as large: no symmetric matrix has these rows. */
+    /* Two patches that see only each other, one twice as large: no symmetric matrix has these
+     * rows. */
     uint64_t first[] = { 0, 1, 2 };
     uint32_t source[] = { 1, 0 };
     float factor[] = { 1, 1 }, escape[] = { 0, 0 };
@@ -430,8 +432,9 @@ static void test_closure_alone(void **state)
 static void test_two_walls(void **state)
 {
     (void)state;
-    /* Two walls that see each other and the sky: both sides' sums are counted by chance, and yet one
-     * matrix must serve both. F between perpendicular unit squares with a common edge: 0.200043776. */
+    /* Two walls that see each other and the sky: both sides' sums are counted by chance, and yet
+     * one matrix must serve both. F between perpendicular unit squares with a common edge:
+     * 0.200043776. */
     TestRoom r = { 0 };
     const uint32_t m = room_material(&r, 0.5, 1);
     room_quad(&r, ORIGIN, vec3(1, 0, 0), vec3(0, 1, 0), m, "floor");
@@ -453,7 +456,7 @@ static void test_two_walls(void **state)
     room_clear(&r);
 }
 
-/* --- the program's promises --------------------------------------------------------------------------- */
+/* --- the program's promises ------------------------------------------------------------------- */
 
 static void make_lit_room(TestRoom *r, double size)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sides in sight: what light or eye can reach takes part, whatever the winding; nothing else does. */
+/* Sides in sight: what light or eye can reach takes part, whatever the winding; nothing else
+ * does. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -141,7 +142,7 @@ static void test_deep(void **state)
     room_clear(&r);
 }
 
-/* --- lamps ------------------------------------------------------------------------------------------ */
+/* --- lamps ------------------------------------------------------------------------------------ */
 
 typedef struct {
     int  count;
@@ -253,7 +254,7 @@ static void test_emits_both(void **state)
     room_clear(&r);
 }
 
-/* --- promises ---------------------------------------------------------------------------------------- */
+/* --- promises --------------------------------------------------------------------------------- */
 
 static void test_threads(void **state)
 {

@@ -59,7 +59,7 @@ static Solution *solved(const Links *links, const SolveProblem *problem, Solver 
     return s;
 }
 
-/* --- two surfaces ------------------------------------------------------------------------------ */
+/* --- two surfaces ----------------------------------------------------------------------------- */
 
 static void test_two_surfaces(void **state)
 {
@@ -98,7 +98,7 @@ static void test_two_surfaces(void **state)
     }
 }
 
-/* --- three surfaces, one of them the open sky --------------------------------------------------- */
+/* --- three surfaces, one of them the open sky ------------------------------------------------- */
 
 static void test_triangle_channel(void **state)
 {
@@ -128,7 +128,7 @@ static void test_triangle_channel(void **state)
     }
 }
 
-/* --- the box of six faces ----------------------------------------------------------------------- */
+/* --- the box of six faces --------------------------------------------------------------------- */
 
 /* Faces x0 x1 y0 y1 z0 z1 of the unit cube: closed forms for opposite and adjacent squares. */
 static void cube(HandMade *h)
@@ -301,7 +301,7 @@ static void test_ambient(void **state)
     solution_destroy(s);
 }
 
-/* --- the edges ---------------------------------------------------------------------------------- */
+/* --- the edges -------------------------------------------------------------------------------- */
 
 static void test_dark_and_hidden(void **state)
 {
@@ -335,7 +335,8 @@ static void test_refuses(void **state)
     assert_null(solve(&h.links, &p, &(SolveOptions){ 0 }, NULL, &err));
     assert_int_equal(err.code, ERROR_INPUT);
     assert_string_equal(err.text, "reflectance 1 of patch 2 is not in [0, 1)");
-    assert_null(solve(&h.links, &p, &(SolveOptions){ 0 }, NULL, &err)); /* an Error passes through */
+    /* An Error passes through. */
+    assert_null(solve(&h.links, &p, &(SolveOptions){ 0 }, NULL, &err));
     rho[2] = 0.5;
     e[3] = NAN;
     err = (Error){ 0 };
@@ -418,7 +419,7 @@ static void test_names(void **state)
     assert_false(solver_from_name("gauss", &solver));
 }
 
-/* --- vertices ----------------------------------------------------------------------------------- */
+/* --- vertices --------------------------------------------------------------------------------- */
 
 static void test_vertices(void **state)
 {
