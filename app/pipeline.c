@@ -94,8 +94,14 @@ static bool build_surfaces(Pipeline *pipeline, Error *err)
 {
     const double begin = progress_now();
     begin_stage(pipeline, STAGE_MESH);
+    Error found = *err;
     pipeline->surfaces = surfaces_create(&pipeline->scene->polygons, &pipeline->session->monitor,
-                                         err);
+                                         &found);
+    /* The mesh knows no file; whoever reads the message needs its name. */
+    if (found.code == ERROR_INPUT && !error_is_set(err))
+        error_at(err, ERROR_INPUT, pipeline->scene->file, 0, "%.400s", found.text);
+    else
+        *err = found;
     pipeline_note(pipeline, STAGE_MESH, begin);
     return pipeline->surfaces != NULL;
 }

@@ -52,7 +52,7 @@ ok "time limit before anything" exits 5 solve "$cube" -o "$DIR/late.ply" --time-
     "${fast[@]}"
 ok "still a mesh" test -s "$DIR/late.ply"
 for name in INT TERM; do
-    "$ISOLUX" render "$cube" -o "$DIR/$name.exr" --size 400x400 --spp 100000 --patches 500 \
+    "$ISOLUX" render "$cube" -o "$DIR/$name.exr" --size 400x400 --spp 4096 --patches 500 \
         --rays 64 --progress none 2>"$DIR/err" &
     pid=$!
     sleep 1.5
