@@ -89,8 +89,9 @@ void json_number(Json *json, const char *key, double value)
 
 void json_count(Json *json, const char *key, uint64_t value)
 {
-    assert(value <= INT64_MAX);
-    put(json, key, json_integer((json_int_t)value));
+    /* jansson's integers are signed; beyond them a count is only a size to look at. */
+    put(json, key, value <= INT64_MAX ? json_integer((json_int_t)value)
+                                      : json_real((double)value));
 }
 
 void json_bool(Json *json, const char *key, bool value)

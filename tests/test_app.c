@@ -114,11 +114,11 @@ static void json_holds_any_value(void **state)
     (void)state;
     json_to(text, sizeof text, true, fill_odd_values);
     assert_string_equal(text,
-                        "{\"a\\\"b\": \"tab\\u0009 \\\\ \\u0001 \xC3\xA9 \xEF\xBF\xBD "
-                        "\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD \xEF\xBF\xBD\xEF\xBF\xBD\", "
-                        "\"third\": 0.3333333333333333, \"whole\": 5, \"none\": null, "
-                        "\"big\": 18446744073709551615, \"list\": [0.1, -1e+300], "
-                        "\"empty\": []}\n");
+                        "{\"a\\\"b\":\"tab\\t \\\\ \\u0001 \xC3\xA9 \xEF\xBF\xBD "
+                        "\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD \xEF\xBF\xBD\xEF\xBF\xBD\","
+                        "\"third\":0.33333333333333331,\"whole\":5.0,\"none\":null,"
+                        "\"big\":1.8446744073709552e19,\"list\":[0.10000000000000001,-1.0000000000000001e300],"
+                        "\"empty\":[]}\n");
 }
 
 static void csv_quotes_what_it_must(void **state)
