@@ -153,11 +153,15 @@ Links *links_allocate(uint32_t count, uint64_t nonzeros, Error *err);
 /* Both estimates of each pair made one: form_factor of the result holds S_ij = A_i F_ij, symmetric
  * bit for bit. Pairs nobody sees, or with a patch that is hidden or sees nothing, are left out. */
 Links *links_pairs(const Links *links, unsigned threads, Error *err);
+typedef struct {
+    double   missed;   /* greatest error of a row, relative to its area */
+    uint32_t opened;   /* rows that could be balanced only by letting some light escape */
+} BalanceReport;
+
 /* Scales pairs symmetrically until each row and its escape sum to the area, and turns them into
- * factors; rows that are `alone` are left as they are. *reached gets the greatest error of a row,
- * relative to its area. */
+ * factors; rows that are `alone` are left as they are. */
 bool links_balance(Links *pairs, const bool *alone, unsigned threads, const Monitor *monitor,
-                   double *reached, Error *err);
+                   BalanceReport *report, Error *err);
 
 /* --- sides ------------------------------------------------------------------------------------ */
 

@@ -68,7 +68,8 @@ bool   links_check(const Links *links);
  *                that rows hold to 1e-7 ([sinkhorn67] in its symmetric form, found by Newton's
  *                method; less on links between a lamp and another patch)
  * Zeros stay zero, nothing becomes negative. What was reached is in a links_report of the result.
- * fails  NULL; ERROR_MEMORY, ERROR_STOPPED. A BOTH that cannot converge gives its best and warns
+ * fails  NULL; ERROR_MEMORY, ERROR_STOPPED. Where BOTH has no solution, patches concerned let some
+ *        light escape ("closure-opened"); what misses all the same gives its best and warns
  *        ("closure-missed"). */
 Links *links_close(const Links *links, Closure closure, unsigned threads, const Monitor *monitor,
                    Error *err);

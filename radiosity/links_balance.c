@@ -46,6 +46,10 @@ enum { STEPS_MAX = 100, GRADIENT_STEPS_MAX = 200 };
 enum { PATIENCE = 8 };
 static const double GAIN = 0.9;
 
+/* A row is stuck when it is off by this share of what the worst is; the escape it then gets is about
+ * as much as chance leaves of a row's visible area. */
+static const double STUCK = 1e-3, WAY_OUT = 1.0 / 64;
+
 /* A conjugate gradient solve goes on until its residual is this share of the first, between these
  * two: as far as Newton's step, whose own error is about the square of the rows', can make use of,
  * and no further than the goal. */
@@ -61,6 +65,7 @@ typedef struct {
     const bool  *alone;      /* [count]  the row is empty and left as it is */
     unsigned threads;
     uint32_t count;
+    uint32_t opened;         /* rows given a way out */
     Term   *term[2];         /* [count]  as seen by a row that is no lamp, and by a lamp's */
     double *plain, *thin;    /* [count]  exp(x), exp(v x) */
     double *x;               /* [count] */
@@ -203,23 +208,64 @@ static void take_step(Balance *b)
         b->x[i] += fmin(fmax(b->step[i], -LONGEST_STEP), LONGEST_STEP);
 }
 
-static bool iterate(Balance *b, double *best_x, const Monitor *monitor, double *reached)
+/* Two groups of patches that see only each other have no balance when their areas differ by the
+ * chance of what is hidden. Rows still far off are given a small way out, which adapts like all
+ * escape: light that no scaling can place then leaves the scene, where it is counted. */
+static uint32_t open_rows(Balance *b, double worst)
+{
+    uint32_t opened = 0;
+    for (uint32_t i = 0; i < b->count; i++)
+        if (!b->alone[i] && b->pairs->escape[i] < WAY_OUT &&
+            fabs(b->gradient[i]) > STUCK * worst * b->pairs->area[i]) {
+            b->pairs->escape[i] = WAY_OUT;
+            opened++;
+        }
+    return opened;
+}
+
+/* Keeps the best x seen, and tells when there is no more to be gained. */
+typedef struct {
+    double *x;
+    double  sum, worst, milestone;
+    int     patience;
+} BestRows;
+
+static bool keep_best(const Balance *b, RowError error, BestRows *best)
+{
+    if (error.sum < best->sum) {
+        best->sum = error.sum;
+        best->worst = error.worst;
+        memcpy(best->x, b->x, b->count * sizeof *best->x);
+    }
+    if (error.sum < GAIN * best->milestone) {
+        best->milestone = error.sum;
+        best->patience = PATIENCE;
+    }
+    return best->patience-- > 0;
+}
+
+static bool iterate(Balance *b, BestRows *best, const Monitor *monitor)
 {
     RowError error = measure(b);
-    double best = INFINITY, before = INFINITY, milestone = INFINITY;
-    int patience = PATIENCE;
+    double before = INFINITY;
+    bool may_open = true;
     for (int k = 0;; k++) {
-        if (error.sum < best) {
-            best = error.sum;
-            *reached = error.worst;
-            memcpy(best_x, b->x, b->count * sizeof *best_x);
-        }
-        patience = error.sum < GAIN * milestone ? PATIENCE : patience - 1;
-        milestone = patience == PATIENCE ? error.sum : milestone;
-        if (error.worst <= BALANCE_GOAL || k == STEPS_MAX || patience == 0)
+        const bool gaining = keep_best(b, error, best) && k < STEPS_MAX;
+        if (error.worst <= BALANCE_GOAL)
             return true;
         if (monitor_stop(monitor))
             return false;
+        if (!gaining) {
+            if (!may_open)
+                return true;
+            memcpy(b->x, best->x, b->count * sizeof *b->x);
+            b->opened = open_rows(b, measure(b).worst);
+            *best = (BestRows){ .x = best->x, .sum = INFINITY, .milestone = INFINITY };
+            may_open = false;
+            before = INFINITY;
+            k = 0;
+            error = measure(b);
+        }
         if (error.worst < NEWTON_BELOW && error.sum < before)
             newton_step(b, error.worst);
         else
@@ -267,24 +313,26 @@ static void balance_clear(Balance *b)
 }
 
 bool links_balance(Links *pairs, const bool *alone, unsigned threads, const Monitor *monitor,
-                   double *reached, Error *err)
+                   BalanceReport *report, Error *err)
 {
     assert(pairs != NULL && pairs->lamp != NULL && alone != NULL);
     Balance b = { .pairs = pairs, .alone = alone, .threads = threads, .count = pairs->count };
-    double *best_x = array_create(pairs->count, sizeof *best_x, "the closure", err);
-    bool done = best_x != NULL && balance_init(&b, err);
-    *reached = 0;
+    BestRows best = { .sum = INFINITY, .milestone = INFINITY };
+    best.x = array_create(pairs->count, sizeof *best.x, "the closure", err);
+    bool done = best.x != NULL && balance_init(&b, err);
+    *report = (BalanceReport){ 0 };
     if (done) {
-        done = iterate(&b, best_x, monitor, reached) ||
+        done = iterate(&b, &best, monitor) ||
                error_set(err, ERROR_STOPPED, "stopped while closing form factors");
         for (uint32_t i = 0; i < b.count; i++) {
-            b.plain[i] = exp(best_x[i]);
-            b.thin[i] = exp(LAMP_VARIANCE * best_x[i]);
+            b.plain[i] = exp(best.x[i]);
+            b.thin[i] = exp(LAMP_VARIANCE * best.x[i]);
             pairs->escape[i] = (float)fmin(pairs->escape[i] * b.plain[i], 1);
         }
         parallel_for(b.count, BALANCE_CHUNK, threads, scale_chunk, &b, NULL, NULL);
+        *report = (BalanceReport){ .missed = best.worst, .opened = b.opened };
     }
     balance_clear(&b);
-    array_free(best_x);
+    array_free(best.x);
     return done;
 }

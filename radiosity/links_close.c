@@ -78,20 +78,24 @@ static const double MISSED_ABOVE = 1e-7, ALONE_ABOVE = 1e-6;
 static bool close_both(Links *pairs, unsigned threads, const Monitor *monitor, Error *err)
 {
     bool *alone = array_create(pairs->count, sizeof *alone, "the closure", err);
-    double missed = 0;
+    BalanceReport report;
     if (alone == NULL)
         return false;
     const double lost = find_alone(pairs, alone);
-    const bool done = links_balance(pairs, alone, threads, monitor, &missed, err);
+    const bool done = links_balance(pairs, alone, threads, monitor, &report, err);
     array_free(alone);
     if (done && lost > ALONE_ABOVE)
         monitor_warn(monitor, "closure-alone", "",
                      "patches that no other patch found again, %.2g of all area: their light is "
                      "counted as escaped", lost);
-    if (done && missed > MISSED_ABOVE)
+    if (done && report.opened > 0)
+        monitor_warn(monitor, "closure-opened", "",
+                     "the areas of %u patches that see only each other do not match: of their "
+                     "light, some is counted as escaped", report.opened);
+    if (done && report.missed > MISSED_ABOVE)
         monitor_warn(monitor, "closure-missed", "",
                      "no scaling makes all rows of form factors sum to 1: they miss it by up to "
-                     "%.2g; more rays or smaller patches help", missed);
+                     "%.2g; more rays or smaller patches help", report.missed);
     return done;
 }
 

@@ -26,7 +26,7 @@ typedef struct {
 
 typedef struct {
     Solver   solver;
-    double   tolerance;        /* stop when the residual is below; 0: 1e-5 */
+    double   tolerance;        /* stop when the residual is below; 0: 1e-6 */
     uint32_t max_iterations;   /* sweeps; for progressive: shots; 0: no limit */
     bool     no_ambient;       /* progressive, stopped early: leave the ambient estimate out */
     unsigned threads;
