@@ -13,7 +13,7 @@ typedef struct {
     char exr[4096], png[4096];
 } Names;
 
-/* room.exr and room.png, whichever of the two -o names; without -o after the scene, in this folder. */
+/* room.exr and room.png, whichever of the two -o names; without -o named after the scene, here. */
 static bool picture_names(const Options *options, Names *names, Error *err)
 {
     const char *path = options->output != NULL ? options->output : output_base(options->scene);

@@ -103,7 +103,7 @@ double validation_measure(const Pipeline *pipeline, Vec3 point, Vec3 normal, dou
     return rgb_luminance(rgb_add(result.direct, result.indirect));
 }
 
-/* --- the run ----------------------------------------------------------------------------------- */
+/* --- the run ---------------------------------------------------------------------------------- */
 
 static bool run_cases(Validation *validation, const Case *cases, size_t count, Error *err)
 {

@@ -18,7 +18,7 @@ bool cmd_validate(Pipeline *pipeline, int *exit_code, Error *err);
 bool cmd_bench(Pipeline *pipeline, int *exit_code, Error *err);
 bool cmd_compare(Pipeline *pipeline, int *exit_code, Error *err);
 
-/* --- parts ------------------------------------------------------------------------------------- */
+/* --- parts ------------------------------------------------------------------------------------ */
 
 /* Sets the picture's width and height; the camera is chosen already. */
 void view_size(Pipeline *pipeline);

@@ -121,7 +121,7 @@ bool factors_write_csv(const Pipeline *pipeline, FactorsBy by, const char *path,
     return out != NULL && outfile_commit(out, err);
 }
 
-/* --- by patch ---------------------------------------------------------------------------------- */
+/* --- by patch --------------------------------------------------------------------------------- */
 
 static bool write_matrix(const Links *links, const char *path, Error *err)
 {

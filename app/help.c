@@ -108,7 +108,7 @@ void help_command(FILE *out, Command command)
     fprintf(out, "\n%s", exit_codes);
 }
 
-/* --- version ----------------------------------------------------------------------------------- */
+/* --- version ---------------------------------------------------------------------------------- */
 
 /* Called for each shared object that is loaded: names those that we chose, with their versions as
  * the file names tell them. */

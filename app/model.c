@@ -83,7 +83,7 @@ void model_point_light(Scene *scene, LightKind kind, Vec3 at, double intensity, 
         scene_add_light(scene, &light, err);
 }
 
-/* --- Cornell box ------------------------------------------------------------------------------- */
+/* --- Cornell box ------------------------------------------------------------------------------ */
 
 typedef struct {
     int    material; /* 0 white, 1 red, 2 green, 3 lamp */

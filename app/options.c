@@ -109,7 +109,7 @@ const OptionRow *options_table(void)
     return option_rows;
 }
 
-/* --- commands ---------------------------------------------------------------------------------- */
+/* --- commands --------------------------------------------------------------------------------- */
 
 static const struct {
     Command     command;
@@ -138,7 +138,7 @@ Command command_from_name(const char *name)
     return COMMAND_NONE;
 }
 
-/* --- one option -------------------------------------------------------------------------------- */
+/* --- one option ------------------------------------------------------------------------------- */
 
 /* Misspellings further away than this are not worth a guess. */
 enum { GUESS_DISTANCE = 3 };
@@ -273,7 +273,7 @@ static bool parse_option(Options *options, char **argv, int argc, int *at, Error
     return store_value(options, row, value, err);
 }
 
-/* --- the whole line ---------------------------------------------------------------------------- */
+/* --- the whole line --------------------------------------------------------------------------- */
 
 static bool options_agree(const Options *options, Error *err)
 {

@@ -136,7 +136,7 @@ static inline bool options_given(const Options *options, OptionId id)
 const char *command_name(Command command);
 Command     command_from_name(const char *name);
 
-/* --- values: each reads the whole text or fails without touching *value ------------------------ */
+/* --- values: each reads the whole text or fails without touching *value ----------------------- */
 
 bool value_number(const char *text, double *value);
 bool value_count(const char *text, uint32_t *value);
@@ -152,7 +152,7 @@ void value_word(const char *words, int position, char *out, size_t size);
 /* How many letters must change to make b of a [levenshtein66]; at least `limit` when longer. */
 unsigned word_distance(const char *a, const char *b, unsigned limit);
 
-/* --- help -------------------------------------------------------------------------------------- */
+/* --- help ------------------------------------------------------------------------------------- */
 
 void help_program(FILE *out);
 void help_command(FILE *out, Command command);

@@ -59,7 +59,7 @@ static bool hurry_instead(Pipeline *pipeline, Error *err)
     return true;
 }
 
-/* --- read -------------------------------------------------------------------------------------- */
+/* --- read ------------------------------------------------------------------------------------- */
 
 /* Distances are in scene units, so cd over squared units is lux only after division by what a
  * squared unit is in square metres. */
@@ -88,7 +88,7 @@ bool pipeline_read(Pipeline *pipeline, Error *err)
     return pipeline->scene != NULL && pipeline_fits(pipeline, 0, session->options.scene, err);
 }
 
-/* --- mesh and BVH ------------------------------------------------------------------------------ */
+/* --- mesh and BVH ----------------------------------------------------------------------------- */
 
 static bool build_surfaces(Pipeline *pipeline, Error *err)
 {
@@ -146,7 +146,7 @@ bool pipeline_mesh(Pipeline *pipeline, Error *err)
            pipeline_fits(pipeline, 0, pipeline->session->options.scene, err);
 }
 
-/* --- sides and patches ------------------------------------------------------------------------- */
+/* --- sides and patches ------------------------------------------------------------------------ */
 
 /* Eyes that what they see takes part: all cameras, and measuring points just off their surfaces. */
 static Vec3 *collect_eyes(const Pipeline *pipeline, size_t *count, Error *err)
@@ -262,7 +262,7 @@ bool pipeline_patches(Pipeline *pipeline, Error *err)
     return pipeline_fits(pipeline, 0, session->options.scene, err);
 }
 
-/* --- factors ----------------------------------------------------------------------------------- */
+/* --- factors ---------------------------------------------------------------------------------- */
 
 /* Bytes that links may take: what --max-memory leaves, half of it when a closed copy is made. */
 static uint64_t links_budget(const Pipeline *pipeline)
@@ -321,7 +321,7 @@ bool pipeline_factors(Pipeline *pipeline, Error *err)
     return closed && pipeline_fits(pipeline, 0, session->options.scene, err);
 }
 
-/* --- solve ------------------------------------------------------------------------------------- */
+/* --- solve ------------------------------------------------------------------------------------ */
 
 static bool set_problem(Pipeline *pipeline, Error *err)
 {

@@ -22,7 +22,7 @@ typedef struct {
     bool            wide;                   /* some face has more than 255 corners */
 } Ply;
 
-/* --- bytes, whatever the machine's own order --------------------------------------------------- */
+/* --- bytes, whatever the machine's own order -------------------------------------------------- */
 
 typedef struct {
     unsigned char byte[256];
@@ -56,7 +56,7 @@ static void write_record(FILE *out, Record *record)
     record->size = 0;
 }
 
-/* --- colours to look at ------------------------------------------------------------------------ */
+/* --- colours to look at ----------------------------------------------------------------------- */
 
 static double auto_scale(const Pipeline *pipeline)
 {
@@ -82,7 +82,7 @@ static uint32_t display_byte(double v)
     return (uint32_t)lround(255 * srgb);
 }
 
-/* --- header ------------------------------------------------------------------------------------ */
+/* --- header ----------------------------------------------------------------------------------- */
 
 static void put_property(FILE *out, const char *name, bool bands)
 {
@@ -137,7 +137,7 @@ static void put_header(const Ply *ply)
     fputs("end_header\n", out);
 }
 
-/* --- body -------------------------------------------------------------------------------------- */
+/* --- body ------------------------------------------------------------------------------------- */
 
 static void put_vertices(const Ply *ply)
 {

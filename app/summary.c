@@ -8,7 +8,7 @@
 
 #include "base/file.h"
 
-/* --- JSON -------------------------------------------------------------------------------------- */
+/* --- JSON ------------------------------------------------------------------------------------- */
 
 static void put_scene(Json *json, const Pipeline *pipeline)
 {
@@ -242,7 +242,7 @@ bool summary_write(const Pipeline *pipeline, int exit_code, const Error *failure
     return summary_finish(&summary, pipeline->session, err);
 }
 
-/* --- for people -------------------------------------------------------------------------------- */
+/* --- for people ------------------------------------------------------------------------------- */
 
 static void print_light(const Pipeline *pipeline)
 {

@@ -10,7 +10,7 @@ static const double PI = 3.14159265358979323846;
 
 enum { PATCHES = 1500, RAYS = 256 };
 
-/* --- furnaces: B = E / (1 - rho) everywhere ---------------------------------------------------- */
+/* --- furnaces: B = E / (1 - rho) everywhere --------------------------------------------------- */
 
 typedef enum { FURNACE_CUBE, FURNACE_PLATE, FURNACE_L, FURNACE_SPHERE } FurnaceShape;
 
@@ -102,7 +102,7 @@ static bool run_furnaces(Validation *validation, Error *err)
     return !error_is_set(err);
 }
 
-/* --- concentric spheres ------------------------------------------------------------------------ */
+/* --- concentric spheres ----------------------------------------------------------------------- */
 
 typedef struct {
     double outer;              /* radius; the inner one's is 1 */
@@ -150,7 +150,7 @@ static bool run_two_spheres(Validation *validation, Error *err)
     return !error_is_set(err);
 }
 
-/* --- integrating sphere ------------------------------------------------------------------------ */
+/* --- integrating sphere ----------------------------------------------------------------------- */
 
 /* A point source of 100 lm half way up inside a sphere of radius 1: what it sends directly falls
  * with distance and angle, what the wall sends is the same everywhere. */

@@ -118,7 +118,7 @@ static Scene *make_scene(const char *name, const Part *parts, double exitance, E
     return scene;
 }
 
-/* --- from surface to surface ------------------------------------------------------------------- */
+/* --- from surface to surface ------------------------------------------------------------------ */
 
 static bool patch_is(const Pipeline *pipeline, uint32_t i, const char *group, unsigned side)
 {
@@ -168,7 +168,7 @@ static bool run_pairs(Validation *validation, Error *err)
     return !error_is_set(err);
 }
 
-/* --- from a point ------------------------------------------------------------------------------ */
+/* --- from a point ----------------------------------------------------------------------------- */
 
 typedef struct {
     const char *name;

@@ -7,7 +7,7 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* --- CIE 5.2: a source 3 m above a black floor ------------------------------------------------- */
+/* --- CIE 5.2: a source 3 m above a black floor ------------------------------------------------ */
 
 typedef struct {
     double x, y, lambertian, isotropic; /* m, lux for 1000 cd */
@@ -57,7 +57,7 @@ static bool run_floors(Validation *validation, Error *err)
     return run_floor(validation, LIGHT_COSINE, err) && run_floor(validation, LIGHT_POINT, err);
 }
 
-/* --- CIE 5.4: flux of a source in a black room ------------------------------------------------- */
+/* --- CIE 5.4: flux of a source in a black room ------------------------------------------------ */
 
 static const double CIE_54_FACE_SHARE = 0.01, CIE_54_TOTAL_SHARE = 0.005;
 
@@ -103,7 +103,7 @@ static bool run_flux(Validation *validation, Error *err)
     return !error_is_set(err);
 }
 
-/* --- CIE 5.8: a source in a diffuse cube ------------------------------------------------------- */
+/* --- CIE 5.8: a source in a diffuse cube ------------------------------------------------------ */
 
 /* The mean over all walls is phi / (A (1 - rho)) by flux balance; face centres come from the
  * integral equation (estimated error below 1e-3 lux). */

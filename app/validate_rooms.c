@@ -35,7 +35,7 @@ static bool check_means(Validation *validation, Scene *scene, const WallMean *wa
     return !error_is_set(err);
 }
 
-/* --- unit cube, ceiling emits ------------------------------------------------------------------ */
+/* --- unit cube, ceiling emits ----------------------------------------------------------------- */
 
 static Scene *lit_cube(double reflectance, uint32_t *wall, Error *err)
 {
@@ -73,7 +73,7 @@ static bool run_cube(Validation *validation, Error *err)
     return true;
 }
 
-/* --- the same with a plate half way up --------------------------------------------------------- */
+/* --- the same with a plate half way up -------------------------------------------------------- */
 
 static bool run_plate(Validation *validation, Error *err)
 {
@@ -92,7 +92,7 @@ static bool run_plate(Validation *validation, Error *err)
     return check_means(validation, scene, walls, sizeof walls / sizeof *walls, err);
 }
 
-/* --- L-shaped room, the end wall of one arm emits ---------------------------------------------- */
+/* --- L-shaped room, the end wall of one arm emits --------------------------------------------- */
 
 static Scene *lit_l_room(Error *err)
 {
