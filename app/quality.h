@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* app/quality.h -- the one knob: what a quality level stands for, with the finer options over it. */
+/* app/quality.h -- the one knob: what a quality level stands for, finer options laid over it. */
 #ifndef APP_QUALITY_H
 #define APP_QUALITY_H
 

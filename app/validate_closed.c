@@ -71,8 +71,8 @@ static Scene *furnace_scene(const Furnace *furnace, Error *err)
     return scene;
 }
 
-/* The value furthest from `expected` inside; a sphere that shines on both sides also has an outside,
- * from where all escapes. */
+/* The value furthest from `expected` inside; a sphere that shines on both sides also has an
+ * outside, from where all escapes. */
 static double furthest(const Pipeline *pipeline, double expected)
 {
     double worst = expected;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Cases of validate: view factors in closed form, between surfaces and from a point.
  *
- * Numbers of configurations follow Howell's catalogue [howell]; the obstructed pairs were integrated
- * numerically to 5e-6. Tolerance: three standard errors of as many independent rays,
+ * Numbers of configurations follow Howell's catalogue [howell]; the obstructed pairs were
+ * integrated numerically to 5e-6. Tolerance: three standard errors of as many independent rays,
  * 3 sqrt(F (1 - F) / N); scrambled nets stay far below it.
  */
 #include <assert.h>

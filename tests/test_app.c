@@ -18,10 +18,12 @@ static void numbers_are_read_whole(void **state)
         bool        good;
         double      value;
     } cases[] = {
-        { "1", true, 1 },       { "-2.5e3", true, -2500 }, { "+.5", true, 0.5 }, { "", false, 0 },
-        { "1 ", false, 0 },     { " 1", false, 0 },        { "1x", false, 0 },   { "nan", false, 0 },
-        { "inf", false, 0 },    { "0x10", false, 0 },      { "-0x1", false, 0 }, { "1e999", false, 0 },
-        { "-", false, 0 },      { "1,5", false, 0 },       { "1e", false, 0 },   { ".", false, 0 },
+        { "1", true, 1 },       { "-2.5e3", true, -2500 }, { "+.5", true, 0.5 },
+        { "", false, 0 },
+        { "1 ", false, 0 },     { " 1", false, 0 },        { "1x", false, 0 },
+        { "nan", false, 0 },    { "inf", false, 0 },       { "0x10", false, 0 },
+        { "-0x1", false, 0 },   { "1e999", false, 0 },     { "-", false, 0 },
+        { "1,5", false, 0 },    { "1e", false, 0 },        { ".", false, 0 },
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -38,7 +40,8 @@ static void counts_do_not_overflow(void **state)
     assert_true(value_count("4294967295", &count) && count == UINT32_MAX);
     assert_false(value_count("4294967296", &count));
     assert_false(value_count("99999999999999999999999", &count));
-    assert_false(value_count("-1", &count) || value_count("1.0", &count) || value_count("", &count));
+    assert_false(value_count("-1", &count) || value_count("1.0", &count));
+    assert_false(value_count("", &count));
     assert_int_equal(count, UINT32_MAX);
 }
 
