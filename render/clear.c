@@ -28,9 +28,10 @@ static Rgb crossing(const Room *room, const RoomHit *hit, Vec3 way)
 
 Rgb clear_nearest(const Room *room, const Ray *ray, Hit *hit)
 {
-    const Vec3 d = vec3(ray->dx, ray->dy, ray->dz), way = vec3_unit(d);
-    Rgb        passed = { 1, 1, 1 };
-    double     start = 0;
+    const Vec3   d = vec3(ray->dx, ray->dy, ray->dz), way = vec3_unit(d);
+    const double length = vec3_length(d);
+    Rgb          passed = { 1, 1, 1 };
+    double       start = 0, end = ray->t_max;
     for (int i = 0; i < CROSSINGS && hit->primitive != RAY_MISS; i++) {
         RoomHit at;
         room_hit(room, hit, d, &at);
@@ -41,8 +42,10 @@ Rgb clear_nearest(const Room *room, const Ray *ray, Hit *hit)
         }
         passed = rgb_mul(passed, share);
         start += hit->t;
-        const Ray on = ray_leaving(at.point, at.normal, -room->offset, d,
-                                   ray->t_max - (float)start);
+        /* The new start is off the old line by up to the offset: a ray that was to end that far
+         * before a surface must still do so. */
+        end -= 2 * room->offset / length;
+        const Ray on = ray_leaving(at.point, at.normal, -room->offset, d, (float)(end - start));
         bvh_nearest(room->bvh, &on, hit);
     }
     hit->primitive = RAY_MISS;

@@ -107,10 +107,9 @@ Gatherer *gatherer_destroy(Gatherer *g)
 enum { SCRAMBLINGS = 8 };
 
 /* Point lights need no chance: one ray each. */
-static Rgb light_all(const Gatherer *gatherer, const Receiver *at)
+static Rgb light_all(const Room *room, const Receiver *at)
 {
-    const Room *room = gatherer->room;
-    Rgb         sum = { 0, 0, 0 };
+    Rgb sum = { 0, 0, 0 };
     for (size_t i = 0; i < room->light_count; i++) {
         const Rgb e = lamps_light(&room->lights[i], at);
         if (!(rgb_max(e) > 0))
@@ -119,8 +118,6 @@ static Rgb light_all(const Gatherer *gatherer, const Receiver *at)
                                     vec3(0, 0, 0), wave_offset(room, at->point));
         if (!bvh_blocked(room->bvh, &ray))
             sum = rgb_add(sum, e);
-        else if (gatherer->clear)
-            sum = rgb_add(sum, rgb_mul(e, clear_between(room, &ray)));
     }
     return sum;
 }
@@ -155,5 +152,5 @@ void gather_irradiance(const Gatherer *gatherer, Vec3 point, Vec3 normal, uint32
         square += (y - first) * (y - first) / SCRAMBLINGS;
     }
     out->standard_error = sqrt(fmax(square - mean * mean, 0) / (SCRAMBLINGS - 1));
-    out->direct = rgb_add(out->direct, light_all(gatherer, &at));
+    out->direct = rgb_add(out->direct, light_all(gatherer->room, &at));
 }

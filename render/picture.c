@@ -152,7 +152,8 @@ static void render_samples(const Render *render, Worker *worker, int x, int y, u
         }
         const WaveOptions wave = { .gather_rays = o->gather_rays, .lamp_rays = o->light_rays,
                                    .seed = sampling_mix(pixel_seed + SEED_WAVE + bounce),
-                                   .lights = true, .guides = &worker->guides };
+                                   .lights = true, .clear = !o->diffuse_only,
+                                   .guides = &worker->guides };
         wave_gather(&worker->wave, points, &wave);
         add_points(worker, points, bounce, pixel);
         count = next;

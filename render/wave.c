@@ -64,14 +64,15 @@ static uint32_t aim_block(Wave *wave, unsigned level, uint32_t begin, uint32_t e
 }
 
 /* What of each lamp sample arrives; nearly always all or nothing. */
-static void cast_shadows(Wave *wave, uint32_t n)
+static void cast_shadows(Wave *wave, uint32_t n, const WaveOptions *options)
 {
     const Gatherer *g = wave->gatherer;
+    const bool      clear = options->clear && g->clear;
     bvh_blocked_many(g->room->bvh, wave->ray, wave->blocked, n);
     wave->rays += n;
     for (uint32_t i = 0; i < n; i++)
         wave->pass[i] = !wave->blocked[i] ? rgb(1, 1, 1)
-                        : g->clear        ? clear_between(g->room, &wave->ray[i])
+                        : clear           ? clear_between(g->room, &wave->ray[i])
                                           : rgb(0, 0, 0);
 }
 
@@ -112,7 +113,7 @@ static void receive_lamps(Wave *wave, unsigned level, uint32_t count, const Wave
                                      rays, options, lights);
         if (n == 0)
             continue;
-        cast_shadows(wave, n);
+        cast_shadows(wave, n, options);
         add_block(wave, level, n, rays);
     }
 }
@@ -168,9 +169,11 @@ Ray wave_hemisphere(const Room *room, const Receiver *at, const float u[2])
 
 /* Directions for rays begin..end-1 of the level's points. */
 static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t end, uint32_t rays,
-                       uint32_t seed)
+                       const WaveOptions *options)
 {
-    const Room *room = wave->gatherer->room;
+    const Room    *room = wave->gatherer->room;
+    const bool     clear = options->clear && wave->gatherer->clear;
+    const uint32_t seed = seed_of(options->seed, SEED_DIRECTION, level);
     for (uint32_t e = begin; e < end; e++) {
         const WavePoint *p = &wave->point[level][e / rays];
         float            u[2];
@@ -181,8 +184,7 @@ static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t end,
     bvh_nearest_many(room->bvh, wave->ray, wave->hit, end - begin);
     wave->rays += end - begin;
     for (uint32_t k = 0; k < end - begin; k++)
-        wave->pass[k] = wave->gatherer->clear
-                            ? clear_nearest(room, &wave->ray[k], &wave->hit[k]) : rgb(1, 1, 1);
+        wave->pass[k] = clear ? clear_nearest(room, &wave->ray[k], &wave->hit[k]) : rgb(1, 1, 1);
 }
 
 /* Makes the ray's end a receiving point of the next level. */
@@ -253,11 +255,10 @@ static void receive(Wave *wave, unsigned level, uint32_t count, const WaveOption
     if (options->lights && wave->gatherer->room->light_count > 0)
         receive_lamps(wave, level, count, options, true);
     const uint32_t rays = level == 0 ? options->gather_rays : 1;
-    const uint32_t seed = seed_of(options->seed, SEED_DIRECTION, level);
     for (uint32_t begin = 0; begin < count * rays; begin += WAVE_RAYS) {
         const uint32_t left = count * rays - begin;
         const uint32_t end = begin + (left < WAVE_RAYS ? left : WAVE_RAYS);
-        cast_block(wave, level, begin, end, rays, seed);
+        cast_block(wave, level, begin, end, rays, options);
         uint32_t next = 0;
         for (uint32_t e = begin; e < end; e++)
             if (wave->hit[e - begin].primitive != RAY_MISS)

@@ -50,6 +50,8 @@ typedef struct {
     uint32_t gather_rays, lamp_rays; /* per point; > 0 */
     uint32_t seed;                   /* sequences: lamps, lights, directions of each level */
     bool     lights;                 /* point lights, one of them by chance per lamp ray */
+    bool     clear;                  /* light passes through glass; else it is opaque, as it is for
+                                        the solver */
     const Guides *guides;            /* for points beyond level 0; may be NULL */
 } WaveOptions;
 
