@@ -11,13 +11,14 @@ typedef struct {
     double   tolerance;
 } Level;
 
-/* Each step takes about four times as long as the one before and halves the noise. Light is read
+/* The tolerance bounds the error of the energy balance; sweeps over stored links cost next to
+ * nothing, so it is far below what rays can do. Each step takes about four times as long as the one before and halves the noise. Light is read
  * off the patches one bounce away from the eye, so they may be coarse; pixels may not be noisy. */
 static const Level levels[] = {
-    [QUALITY_DRAFT] = { 2500, 128, 32, 16, 2, 1024, 1e-3 },
-    [QUALITY_MEDIUM] = { 10000, 256, 64, 64, 4, 4096, 1e-5 },
-    [QUALITY_HIGH] = { 20000, 512, 128, 256, 4, 16384, 1e-6 },
-    [QUALITY_FINAL] = { 40000, 1024, 256, 1024, 4, 65536, 1e-6 },
+    [QUALITY_DRAFT] = { 2500, 128, 32, 16, 2, 1024, 1e-4 },
+    [QUALITY_MEDIUM] = { 10000, 256, 64, 64, 4, 4096, 1e-7 },
+    [QUALITY_HIGH] = { 20000, 512, 128, 256, 4, 16384, 1e-8 },
+    [QUALITY_FINAL] = { 40000, 1024, 256, 1024, 4, 65536, 1e-8 },
 };
 
 Settings quality_settings(const Options *options)
