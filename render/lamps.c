@@ -145,8 +145,8 @@ void lamps_clear(Lamps *lamps)
 
 /* --- weights --------------------------------------------------------------------------------- */
 
-/* What a curved lamp sends to the receiver, roughly: 0 only when it certainly sends nothing. */
-static double curved_weight(const Lamp *lamp, const Receiver *at)
+/* What a lamp sends to the receiver, roughly: 0 only when it certainly sends nothing. */
+static double rough_weight(const Lamp *lamp, const Receiver *at)
 {
     const Vec3   d = vec3_sub(lamp->centre, at->point);
     const double distance = vec3_length(d);
@@ -161,10 +161,33 @@ static double curved_weight(const Lamp *lamp, const Receiver *at)
 static double lamp_weight(const Lamps *lamps, const Lamp *lamp, const Receiver *at)
 {
     if (lamp->facet.count == 0)
-        return curved_weight(lamp, at);
+        return rough_weight(lamp, at);
     if (facet_height(&lamp->facet, at->point) <= lamps->room->offset)
         return 0;
     return lamp->strength * facet_irradiance(&lamp->facet, at->point, at->normal);
+}
+
+void lamps_aim(const Lamps *lamps, const Receiver *at, uint32_t receivers, double *below)
+{
+    assert(lamps->below != NULL && receivers > 0);
+    const double offset = lamps->room->offset;
+    below[0] = 0;
+    for (uint32_t i = 0; i < lamps->count; i++) {
+        const Lamp *lamp = &lamps->lamp[i];
+        double      weight = 0;
+        for (uint32_t k = 0; k < receivers; k++) {
+            const double height = lamp->facet.count > 0 ? facet_height(&lamp->facet, at[k].point)
+                                                        : lamp->radius;
+            const double distance = vec3_length(vec3_sub(lamp->centre, at[k].point));
+            if (height > offset)
+                weight += rough_weight(lamp, &at[k]) * height / (distance + lamp->radius);
+        }
+        below[i + 1] = below[i] + weight;
+    }
+    const double all = below[lamps->count], plain = all > 0 ? LAMPS_PLAIN : 1;
+    for (uint32_t i = 1; i < lamps->count; i++)
+        below[i] = (all > 0 ? (1 - plain) * below[i] / all : 0) + plain * lamps->below[i];
+    below[lamps->count] = 1;
 }
 
 /* Fills weight[0..count] with the weights' running sums; the last is their total. */
@@ -218,18 +241,24 @@ static double lamp_point(const Lamps *lamps, const Lamp *lamp, const Receiver *a
 }
 
 /* Share of the lamp sample against a hemisphere ray in the same direction: the balance heuristic.
- * spread: 1 / density of the lamp sample, choice of the lamp included. */
-static double balance(double lamp_rays, double spread, double gather_rays, double cosine)
+ * spread: 1 / density of the lamp sample, choice of the lamp included. That rays may be guided is
+ * left out: any two shares that add up to 1 give the right mean. */
+static double balance(const LampPlan *plan, double spread, double cosine)
 {
-    const double lamp = lamp_rays, gather = gather_rays * cosine / PI * spread;
-    return lamp / (lamp + gather);
+    return plan->lamp_rays / (plan->lamp_rays + plan->gather_rays * cosine / PI * spread);
 }
 
-bool lamps_sample(const Lamps *lamps, const Receiver *at, double lamp_rays, double gather_rays,
-                  double a, double b, LampSample *out)
+/* The shares to choose by where lamps are many; NULL where they are weighed one by one. */
+static const double *shares_of(const Lamps *lamps, const LampPlan *plan)
+{
+    return lamps->below != NULL && plan->below != NULL ? plan->below : lamps->below;
+}
+
+bool lamps_sample(const Lamps *lamps, const Receiver *at, const LampPlan *plan, double a, double b,
+                  LampSample *out)
 {
     double        weighed[LAMPS_WEIGHED + 1];
-    const double *below = lamps->below != NULL ? lamps->below : weighed;
+    const double *below = lamps->below != NULL ? shares_of(lamps, plan) : weighed;
     const double  total = lamps->below != NULL ? 1 : weigh(lamps, at, weighed);
     if (lamps->count == 0 || !(total > 0))
         return false;
@@ -245,7 +274,7 @@ bool lamps_sample(const Lamps *lamps, const Receiver *at, double lamp_rays, doub
     if (cosine > 0) {
         double value = cosine * spread / chance;
         if (lamps->below != NULL || lamp->facet.count == 0)
-            value *= balance(lamp_rays, spread / chance, gather_rays, cosine);
+            value *= balance(plan, spread / chance, cosine);
         out->value = rgb_scale(lamp->radiance, value);
     }
     out->control = out->value;
@@ -273,42 +302,43 @@ static uint32_t lamp_of(const Lamps *lamps, const RoomHit *hit)
     return second && follows ? k + 1 : k;
 }
 
-double lamps_share(const Lamps *lamps, const Receiver *at, double lamp_rays, double gather_rays,
+/* Chance that a lamp sample at the receiver goes to lamp k. */
+static double chance_of(const Lamps *lamps, const Receiver *at, const LampPlan *plan, uint32_t k)
+{
+    const double *shares = shares_of(lamps, plan);
+    double        below[LAMPS_WEIGHED + 1];
+    if (shares != NULL)
+        return shares[k + 1] - shares[k];
+    const double total = weigh(lamps, at, below);
+    return total > 0 ? (below[k + 1] - below[k]) / total : 0;
+}
+
+/* 1 / density with which lamp_point would have found the hit; 0: never. */
+static double spread_of(const Lamps *lamps, const Lamp *lamp, const Receiver *at,
+                        const RoomHit *hit)
+{
+    if (lamp->facet.count > 0)
+        return facet_height(&lamp->facet, at->point) > lamps->room->offset
+                   ? facet_spread(&lamp->facet, at->point, hit->point) : 0;
+    SurfacePoint p;
+    surfaces_point(lamps->room->surfaces, hit->surface, hit->s, hit->t, &p);
+    const Vec3   d = vec3_sub(at->point, hit->point);
+    const double dd = vec3_dot(d, d), height = vec3_dot(d, hit->normal);
+    return height > lamps->room->offset ? p.density * height / (dd * sqrt(dd)) : 0;
+}
+
+double lamps_share(const Lamps *lamps, const Receiver *at, const LampPlan *plan,
                    const RoomHit *hit)
 {
-    if (!lamps->shared)
+    const uint32_t k = lamps->shared ? lamp_of(lamps, hit) : UINT32_MAX;
+    if (k == UINT32_MAX || (lamps->lamp[k].facet.count > 0 && lamps->below == NULL))
         return 0;
-    const uint32_t k = lamp_of(lamps, hit);
-    if (k == UINT32_MAX)
-        return 0;
-    const Lamp *lamp = &lamps->lamp[k];
-    if (lamp->facet.count > 0 && lamps->below == NULL)
-        return 0;
-    const Vec3   d = vec3_sub(hit->point, at->point);
-    const double dd = vec3_dot(d, d), cosine = vec3_dot(d, at->normal) / sqrt(dd);
-    if (!(cosine > 0))
-        return 0;
-    double chance, spread;
-    if (lamps->below != NULL) {
-        chance = lamps->below[k + 1] - lamps->below[k];
-    } else {
-        double below[LAMPS_WEIGHED + 1];
-        const double total = weigh(lamps, at, below);
-        chance = total > 0 ? (below[k + 1] - below[k]) / total : 0;
-    }
-    if (lamp->facet.count > 0) {
-        if (facet_height(&lamp->facet, at->point) <= lamps->room->offset)
-            return 1; /* lamp samples leave this out */
-        spread = facet_spread(&lamp->facet, at->point, hit->point);
-    } else {
-        SurfacePoint p;
-        surfaces_point(lamps->room->surfaces, hit->surface, hit->s, hit->t, &p);
-        const double height = -vec3_dot(d, hit->normal);
-        if (height <= lamps->room->offset)
-            return 1;
-        spread = p.density * height / (dd * sqrt(dd));
-    }
-    return chance > 0 ? 1 - balance(lamp_rays, spread / chance, gather_rays, cosine) : 1;
+    const double chance = chance_of(lamps, at, plan, k);
+    const double spread = spread_of(lamps, &lamps->lamp[k], at, hit);
+    const double cosine = vec3_dot(vec3_unit(vec3_sub(hit->point, at->point)), at->normal);
+    if (!(chance > 0) || !(spread > 0) || !(cosine > 0))
+        return 1; /* lamp samples leave this out */
+    return 1 - balance(plan, spread / chance, cosine);
 }
 
 /* --- point lights ---------------------------------------------------------------------------- */

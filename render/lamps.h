@@ -4,7 +4,7 @@
  * A lamp is a flat facet or a curved surface, one side of it. With few lamps each receiving point
  * weighs them by what they would send there if nothing were in the way: for facets that is exact
  * (Lambert's formula), so one sample of one lamp, times the exact sum, has no noise where all is
- * lit or all is dark. Many lamps are chosen by power; then, and for curved lamps always, hemisphere
+ * lit or all is dark. Many lamps are chosen by shares for a whole place; then, and for curved lamps always, hemisphere
  * rays that hit a lamp count too, by multiple importance sampling [veach95].
  * Threads  never changes once made.
  */
@@ -15,7 +15,7 @@
 #include "radiosity/room.h"
 #include "render/facet.h"
 
-/* Up to so many lamps are weighed at each point; more are chosen by power. */
+/* Up to so many lamps are weighed at each point; more are chosen by shares for a whole place. */
 enum { LAMPS_WEIGHED = 64 };
 
 typedef struct {
@@ -56,14 +56,25 @@ typedef struct {
     Rgb  value, control;
 } LampSample;
 
-/* Chooses by (a, b) in [0,1)^2. lamp_rays and gather_rays: how many of each the receiver gets, for
- * their weights. false: no lamp can light it at all. */
-bool lamps_sample(const Lamps *lamps, const Receiver *at, double lamp_rays, double gather_rays,
-                  double a, double b, LampSample *out);
+/* Many lamps only: shares for points around the receivers, running, into below[count + 1]: what the
+ * lamps send there if nothing is in the way, roughly, and LAMPS_PLAIN of it by power alone. */
+#define LAMPS_PLAIN 0.125
+void lamps_aim(const Lamps *lamps, const Receiver *at, uint32_t receivers, double *below);
+
+/* How a receiver's light is sampled: how many rays of each kind, for their weights, and the shares
+ * of many lamps (NULL: by power). */
+typedef struct {
+    double        lamp_rays, gather_rays;
+    const double *below;
+} LampPlan;
+
+/* Chooses by (a, b) in [0,1)^2. false: no lamp can light the receiver at all. */
+bool lamps_sample(const Lamps *lamps, const Receiver *at, const LampPlan *plan, double a, double b,
+                  LampSample *out);
 
 /* Share of a hemisphere ray that left `at` and met the lamp on hit's surface and side; 0 where
  * lamp samples do it all. */
-double lamps_share(const Lamps *lamps, const Receiver *at, double lamp_rays, double gather_rays,
+double lamps_share(const Lamps *lamps, const Receiver *at, const LampPlan *plan,
                    const RoomHit *hit);
 
 /* Irradiance from point light k at the receiver, if nothing is in the way. */

@@ -6,6 +6,7 @@
  * pixel. Tiles are independent, so threads change nothing.
  */
 #include <assert.h>
+#include <string.h>
 #include <time.h>
 
 #include "base/array.h"
@@ -42,6 +43,7 @@ typedef struct {
 typedef struct Worker {
     Wave     wave;
     Guides   guides;
+    double  *lamp_shares;         /* [lamps + 1] where lamps are many */
     Receiver centre[TILE * TILE]; /* what the pixels' centres show */
     double   reach[TILE * TILE];  /* about the tile's width there */
     EyeRay  eye[WAVE_POINTS];
@@ -153,6 +155,7 @@ static void render_samples(const Render *render, Worker *worker, int x, int y, u
         const WaveOptions wave = { .gather_rays = o->gather_rays, .lamp_rays = o->light_rays,
                                    .seed = sampling_mix(pixel_seed + SEED_WAVE + bounce),
                                    .lights = true, .clear = !o->diffuse_only,
+                                   .lamp_shares = worker->lamp_shares,
                                    .guides = &worker->guides };
         wave_gather(&worker->wave, points, &wave);
         add_points(worker, points, bounce, pixel);
@@ -211,6 +214,25 @@ static void render_pixel(const Render *render, Worker *worker, int x, int y)
 
 static int smaller(int a, int b) { return a < b ? a : b; }
 
+/* Receivers of a tile that decide which of many lamps matter there. */
+enum { AIM_RECEIVERS = 8 };
+
+static void aim_lamps(const Render *render, Worker *worker, uint32_t centres)
+{
+    Receiver       some[AIM_RECEIVERS];
+    const uint32_t n = centres < AIM_RECEIVERS ? centres : AIM_RECEIVERS;
+    const Lamps   *lamps = &render->gatherer->lamps;
+    if (worker->lamp_shares == NULL)
+        return;
+    if (n == 0) { /* not what the last tile left: that depends on threads */
+        memcpy(worker->lamp_shares, lamps->below, ((size_t)lamps->count + 1) * sizeof(double));
+        return;
+    }
+    for (uint32_t i = 0; i < n; i++)
+        some[i] = worker->centre[(2 * i + 1) * centres / (2 * n)];
+    lamps_aim(lamps, some, n, worker->lamp_shares);
+}
+
 static void render_tile(const Render *render, Worker *worker, uint32_t tile)
 {
     const int x0 = (int)(tile % render->tiles_x) * TILE, y0 = (int)(tile / render->tiles_x) * TILE;
@@ -229,6 +251,7 @@ static void render_tile(const Render *render, Worker *worker, uint32_t tile)
     guides_train(&worker->guides, &worker->wave, worker->centre, worker->reach, centres,
                  render->options->samples * render->options->gather_rays,
                  sampling_seed(tile, 0, render->options->seed, 2));
+    aim_lamps(render, worker, centres);
     for (int y = y0; y < y1; y++)
         for (int x = x0; x < x1; x++)
             render_pixel(render, worker, x, y);
@@ -262,27 +285,47 @@ static RenderOptions with_defaults(const RenderOptions *options)
     return o;
 }
 
+/* Scratch space, one for each thread. */
+static bool workers_create(Render *render, Error *err)
+{
+    const Gatherer *g = render->gatherer;
+    const unsigned  n = render->options->threads;
+    render->worker = array_create(n, sizeof *render->worker, "picture", err);
+    for (unsigned i = 0; i < n && !error_is_set(err); i++) {
+        render->worker[i].wave.gatherer = g;
+        if (g->lamps.below == NULL)
+            continue;
+        render->worker[i].lamp_shares =
+            array_create((size_t)g->lamps.count + 1, sizeof(double), "picture", err);
+    }
+    return !error_is_set(err);
+}
+
+static void workers_destroy(Render *render)
+{
+    for (unsigned i = 0; render->worker != NULL && i < render->options->threads; i++)
+        array_free(render->worker[i].lamp_shares);
+    array_free(render->worker);
+}
+
 /* Runs the tiles; the scratch space of threads is made and freed here. */
 static void render_run(Render *render, RenderReport *report, const Monitor *monitor, Error *err)
 {
     const uint32_t tiles_y = ((uint32_t)render->image->height + TILE - 1) / TILE;
     const uint32_t tiles = render->tiles_x * tiles_y;
     const double   start = seconds_now();
+    *report = (RenderReport){ 0 };
     render->rays = array_create(tiles, sizeof *render->rays, "picture", err);
-    render->worker = array_create(render->options->threads, sizeof *render->worker, "picture", err);
-    if (!error_is_set(err)) {
-        for (unsigned i = 0; i < render->options->threads; i++)
-            render->worker[i].wave.gatherer = render->gatherer;
+    if (workers_create(render, err)) {
         const Progress base = { .stage = "gather", .done = 1, .energy_left = -1 };
         if (!parallel_for(tiles, 1, render->options->threads, render_tiles, render, monitor, &base))
             error_set(err, ERROR_STOPPED, "the picture was stopped before it was complete");
-        report->rays = 0;
         for (uint32_t i = 0; i < tiles; i++)
             report->rays += render->rays[i];
     }
     report->seconds = seconds_now() - start;
+    workers_destroy(render);
     array_free(render->rays);
-    array_free(render->worker);
 }
 
 Image *render_gather(const Gatherer *gatherer, const Camera *camera, const RenderOptions *options,

@@ -37,6 +37,13 @@ static void add_to(Wave *wave, const WavePoint *point, unsigned level, Rgb irrad
 /* A sum of WAVE_RAYS numbers in double less one of them is off by less than this share of it. */
 static const double SUM_RESIDUE = WAVE_RAYS * DBL_EPSILON;
 
+static LampPlan plan_of(unsigned level, const WaveOptions *options)
+{
+    return (LampPlan){ .lamp_rays = level == 0 ? options->lamp_rays : 1,
+                       .gather_rays = level == 0 ? options->gather_rays : 1,
+                       .below = options->lamp_shares };
+}
+
 /* Fills wave->sample and wave->ray from `begin` lamp rays on; returns how many; entry e belongs to
  * point e / rays. */
 static uint32_t aim_block(Wave *wave, unsigned level, uint32_t begin, uint32_t end, uint32_t rays,
@@ -44,7 +51,7 @@ static uint32_t aim_block(Wave *wave, unsigned level, uint32_t begin, uint32_t e
 {
     const Gatherer *g = wave->gatherer;
     const uint32_t  seed = seed_of(options->seed, lights ? SEED_LIGHT : SEED_LAMP, level);
-    const double    gather_rays = level == 0 ? options->gather_rays : 1;
+    const LampPlan  plan = plan_of(level, options);
     uint32_t        n = 0;
     for (uint32_t e = begin; e < end; e++) {
         const WavePoint *p = &wave->point[level][e / rays];
@@ -52,7 +59,7 @@ static uint32_t aim_block(Wave *wave, unsigned level, uint32_t begin, uint32_t e
         sampling_sobol2(p->index * rays + e % rays, seed, u);
         LampSample *s = &wave->sample[n];
         const bool  any = lights ? lamps_sample_light(&g->lamps, &p->at, u[0], s)
-                                 : lamps_sample(&g->lamps, &p->at, rays, gather_rays, u[0], u[1], s);
+                                 : lamps_sample(&g->lamps, &p->at, &plan, u[0], u[1], s);
         if (!any)
             continue;
         wave->owner[n] = e / rays;
@@ -213,8 +220,8 @@ static void add_lamp(Wave *wave, unsigned level, const WavePoint *from, uint32_t
     RoomHit         hit;
     room_hit(g->room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
     const Material *m = &g->room->materials[g->room->surfaces->surface[hit.surface].material];
-    const double    lamp_rays = level == 0 ? options->lamp_rays : 1;
-    const double    share = lamps_share(&g->lamps, &from->at, lamp_rays, rays, &hit);
+    const LampPlan  plan = plan_of(level, options);
+    const double    share = lamps_share(&g->lamps, &from->at, &plan, &hit);
     add_to(wave, from, level, rgb_scale(rgb_mul(m->emission, wave->pass[k]),
                                         M_PI * share * wave->worth[k] / rays));
 }

@@ -52,6 +52,7 @@ typedef struct {
     bool     lights;                 /* point lights, one of them by chance per lamp ray */
     bool     clear;                  /* light passes through glass; else it is opaque, as it is for
                                         the solver */
+    const double *lamp_shares;       /* from lamps_aim, or NULL */
     const Guides *guides;            /* for points beyond level 0; may be NULL */
 } WaveOptions;
 
