@@ -218,6 +218,7 @@ LIBDIR     := $(DESTDIR)$(PREFIX)/lib
 HEADERDIR  := $(DESTDIR)$(PREFIX)/include/isolux
 DOCDIR     := $(DESTDIR)$(PREFIX)/share/doc/isolux
 SCENEDIR   := $(DESTDIR)$(PREFIX)/share/isolux/scenes
+MANDIR     := $(DESTDIR)$(PREFIX)/share/man/man1
 HEADERS     = $(shell tools/headers.sh $(FOLDERS))
 DOCUMENTS  := $(wildcard LICENSE README.md CHANGELOG.md docs/*.md)
 
@@ -227,7 +228,8 @@ install: all
 
 # What is built, as it is: a test may run this while others use the build.
 install-files:
-	@install -d $(BINDIR) $(LIBDIR)/pkgconfig $(DOCDIR) $(SCENEDIR) $(FOLDERS:%=$(HEADERDIR)/%)
+	@install -d $(BINDIR) $(LIBDIR)/pkgconfig $(DOCDIR) $(SCENEDIR) $(MANDIR) \
+	  $(FOLDERS:%=$(HEADERDIR)/%)
 	@install -m 755 $(BUILD)/isolux $(BINDIR)/isolux
 	@install -m 644 $(BUILD)/libisolux.a $(LIBDIR)/libisolux.a
 	@install -m 755 $(SHARED) $(LIBDIR)/libisolux.so.$(VERSION)
@@ -235,6 +237,7 @@ install-files:
 	@ln -sf libisolux.so.$(SOVERSION) $(LIBDIR)/libisolux.so
 	@for header in $(HEADERS); do install -m 644 $$header $(HEADERDIR)/$$header || exit 1; done
 	@install -m 644 $(DOCUMENTS) $(DOCDIR)
+	@install -m 644 docs/isolux.1 $(MANDIR)
 	@for scene in $(wildcard scenes/files/*.*); do install -m 644 $$scene $(SCENEDIR) || exit 1; done
 	@printf '%s\n' 'prefix=$(PREFIX)' 'libdir=$${prefix}/lib' \
 	  'includedir=$${prefix}/include/isolux' '' 'Name: isolux' \
@@ -245,7 +248,7 @@ install-files:
 
 uninstall:
 	rm -f $(BINDIR)/isolux $(LIBDIR)/libisolux.a $(LIBDIR)/libisolux.so*
-	rm -f $(LIBDIR)/pkgconfig/isolux.pc
+	rm -f $(LIBDIR)/pkgconfig/isolux.pc $(MANDIR)/isolux.1
 	rm -rf $(HEADERDIR) $(DOCDIR) $(DESTDIR)$(PREFIX)/share/isolux
 
 # --- the rest ------------------------------------------------------------------------------------
