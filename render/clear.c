@@ -2,6 +2,7 @@
 /* Straight rays through panes, glasses and water. */
 #include "render/clear.h"
 
+#include "render/lamps.h"
 #include "render/specular.h"
 
 /* Crossings after which a ray is taken for lost: a window of three panes, four times over. */
@@ -18,7 +19,7 @@ bool clear_exists(const Room *room)
 /* What one crossing lets through; 0: opaque. */
 static Rgb crossing(const Room *room, const RoomHit *hit, Vec3 way)
 {
-    const Material *m = &room->materials[room->surfaces->surface[hit->surface].material];
+    const Material *m = lamps_material(room, hit->surface, hit->side);
     if (!(rgb_max(m->transmittance) > 0))
         return rgb(0, 0, 0);
     const double cosine = fmin(fmax(-vec3_dot(way, hit->normal), 0), 1);

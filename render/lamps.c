@@ -70,7 +70,7 @@ static bool add_surface(Lamps *lamps, uint32_t index, unsigned side, Error *err)
     const Surfaces *surfaces = lamps->room->surfaces;
     const Surface  *surface = &surfaces->surface[index];
     Lamp lamp = { .surface = index, .side = side,
-                  .radiance = lamps->room->materials[surface->material].emission };
+                  .radiance = lamps_material(lamps->room, index, side)->emission };
     lamp.strength = strength_of(lamp.radiance);
     if (!(lamp.strength > 0))
         return true;

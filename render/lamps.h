@@ -15,6 +15,13 @@
 #include "radiosity/room.h"
 #include "render/facet.h"
 
+/* The material of one side: a thin plate made of two faces may have two. */
+static inline const Material *lamps_material(const Room *room, uint32_t surface, unsigned side)
+{
+    const Surface *s = &room->surfaces->surface[surface];
+    return &room->materials[side == 0 ? s->material : s->back_material];
+}
+
 /* Up to so many lamps are weighed at each point; more are chosen by shares for a whole place. */
 enum { LAMPS_WEIGHED = 64 };
 

@@ -86,7 +86,7 @@ static bool end_of_ray(const Render *render, Worker *worker, uint32_t i, unsigne
     const Vec3 in = vec3(eye->ray.dx, eye->ray.dy, eye->ray.dz);
     RoomHit    hit;
     room_hit(room, &worker->hit[i], in, &hit);
-    const Material *m = &room->materials[room->surfaces->surface[hit.surface].material];
+    const Material *m = lamps_material(room, hit.surface, hit.side);
     if (emits(room, &hit))
         pixel->radiance = rgb_add(pixel->radiance, rgb_mul(eye->weight, m->emission));
     if (bounce == 0 || rgb_max(m->reflectance) > 0) {

@@ -4,6 +4,8 @@
 
 #include <assert.h>
 
+#include "render/lamps.h"
+
 /* A material that has a specular colour but no exponent: a soft gloss. */
 static const double EXPONENT_DEFAULT = 20;
 
@@ -99,7 +101,7 @@ static bool gloss(const Room *room, const Material *material, const RoomHit *hit
 bool specular_continue(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in,
                        const float u[3], Ray *ray, Rgb *weight)
 {
-    const Material *material = &room->materials[room->surfaces->surface[hit->surface].material];
+    const Material *material = lamps_material(room, hit->surface, hit->side);
     assert(specular_exists(material));
     if (rgb_max(material->transmittance) > 0)
         return glass(room, material, hit, normal, in, u[2], ray, weight);

@@ -202,7 +202,7 @@ static void receive_at(Wave *wave, unsigned level, const WavePoint *from, uint32
     const Ray  *ray = &wave->ray[k];
     RoomHit     hit;
     room_hit(room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
-    const Material *m = &room->materials[room->surfaces->surface[hit.surface].material];
+    const Material *m = lamps_material(room, hit.surface, hit.side);
     const Receiver at = { hit.point, hit.normal };
     wave->point[level + 1][next] = (WavePoint){
         .at = at, .root = from->root, .index = index,
@@ -219,7 +219,7 @@ static void add_lamp(Wave *wave, unsigned level, const WavePoint *from, uint32_t
     const Ray      *ray = &wave->ray[k];
     RoomHit         hit;
     room_hit(g->room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
-    const Material *m = &g->room->materials[g->room->surfaces->surface[hit.surface].material];
+    const Material *m = lamps_material(g->room, hit.surface, hit.side);
     const LampPlan  plan = plan_of(level, options);
     const double    share = lamps_share(&g->lamps, &from->at, &plan, &hit);
     add_to(wave, from, level, rgb_scale(rgb_mul(m->emission, wave->pass[k]),
