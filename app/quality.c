@@ -11,9 +11,10 @@ typedef struct {
     double   tolerance;
 } Level;
 
-/* The tolerance bounds the error of the energy balance; sweeps over stored links cost next to
- * nothing, so it is far below what rays can do. Each step takes about four times as long as the one before and halves the noise. Light is read
- * off the patches one bounce away from the eye, so they may be coarse; pixels may not be noisy. */
+/* Each step takes about four times as long as the one before and halves the noise. Light is read
+ * off the patches one bounce away from the eye, so they may be coarse; pixels may not be noisy.
+ * The tolerance bounds the error of the energy balance; sweeps over stored links cost next to
+ * nothing, so it is far below what rays can do. */
 static const Level levels[] = {
     [QUALITY_DRAFT] = { 2500, 128, 32, 16, 2, 1024, 1e-4 },
     [QUALITY_MEDIUM] = { 10000, 256, 64, 64, 4, 4096, 1e-7 },
