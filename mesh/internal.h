@@ -29,10 +29,11 @@ typedef struct {
     uint32_t  count;
     uint32_t *corner;    /* [3 * count]  welded vertices */
     uint32_t *face;      /* [count]  polygon */
+    uint32_t *back;      /* [count]  polygon that is the other side, or PIECE_NONE */
     uint32_t *diagonal;  /* [count]  the use inside a quad when the triangle is half of one, or
                             PIECE_NONE; the other half has its own for the same edge */
     uint32_t *other;     /* [count]  the other half, or PIECE_NONE */
-    size_t    corner_capacity, face_capacity, diagonal_capacity, other_capacity;
+    size_t    corner_capacity, face_capacity, back_capacity, diagonal_capacity, other_capacity;
 } Pieces;
 
 /* surfaces_cut.c: cuts polygons, leaves out what is double or has no area. */
@@ -57,6 +58,17 @@ uint32_t connection_across(const Connection *connection, uint32_t use);
 /* surfaces_join.c: pairs triangles that form a parallelogram: sets diagonal and other. */
 bool pieces_join(Pieces *pieces, const Connection *connection, const Polygons *soup,
                  const Vec3 *position, Error *err);
+
+/* Whether two triangles have the same material and group on both sides. */
+static inline bool pieces_alike(const Pieces *pieces, const Polygons *soup, uint32_t i, uint32_t j)
+{
+    const uint32_t f = pieces->face[i], g = pieces->face[j];
+    const uint32_t a = pieces->back[i], b = pieces->back[j];
+    return soup->material[f] == soup->material[g] && soup->group[f] == soup->group[g]
+        && (a == b || (a != PIECE_NONE && b != PIECE_NONE
+                       && soup->material[a] == soup->material[b]
+                       && soup->group[a] == soup->group[b]));
+}
 
 /* Edge after edge k of the same triangle. */
 static inline uint32_t use_next(uint32_t use) { return use % 3 == 2 ? use - 2 : use + 1; }

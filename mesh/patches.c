@@ -101,7 +101,6 @@ static void cell_centre(const PatchBuilder *b, uint32_t surface, PatchCell cell,
 static void measure_side(PatchBuilder *b, uint32_t surface, unsigned side)
 {
     Patches *out = b->out;
-    const Surface *f = &b->surfaces->surface[surface];
     const uint32_t first = out->first[side][surface];
     const uint32_t front = out->first[0][surface];
     const uint32_t count = patches_of_side(out, b->surfaces, surface);
@@ -112,8 +111,8 @@ static void measure_side(PatchBuilder *b, uint32_t surface, unsigned side)
         cell_centre(b, surface, cell, &at);
         out->surface[i] = surface;
         out->side[i] = (uint8_t)side;
-        out->material[i] = f->material;
-        out->group[i] = f->group;
+        out->material[i] = surfaces_material(b->surfaces, surface, side);
+        out->group[i] = surfaces_group(b->surfaces, surface, side);
         out->centre[i] = at.point;
         out->normal[i] = side == 0 ? at.normal : vec3_scale(at.normal, -1);
         /* Both sides are cut alike. */

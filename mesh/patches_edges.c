@@ -61,7 +61,7 @@ static uint32_t opposite_use(const PatchBuilder *b, uint32_t use)
 static bool smooth(const PatchBuilder *b, uint32_t use, uint32_t other)
 {
     const Surface *f = &b->surfaces->surface[use / 4], *g = &b->surfaces->surface[other / 4];
-    if (f->material != g->material)
+    if (f->material != g->material || f->back_material != g->back_material)
         return false;
     const double cosine = vec3_dot(use_normal(b->surfaces, use), use_normal(b->surfaces, other));
     /* Wound alike, they run along their edge in opposite directions. */

@@ -116,14 +116,18 @@ static void emit_quad(Builder *b, uint32_t use, uint32_t other)
 static void emit_piece(Builder *b, uint32_t i)
 {
     const uint32_t other = b->pieces.other[i], face = b->pieces.face[i];
+    const uint32_t back = b->pieces.back[i], behind = back != PIECE_NONE ? back : face;
     if (other != PIECE_NONE && other < i)
         return; /* second half of a quad */
     b->out->surface[b->out->count] = (Surface){
         .kind = other == PIECE_NONE ? SURFACE_TRIANGLE : SURFACE_QUAD,
         .primitive = b->out->triangle_count,
         .face = face,
+        .back = back,
         .material = b->soup->material[face],
         .group = b->soup->group[face],
+        .back_material = b->soup->material[behind],
+        .back_group = b->soup->group[behind],
         .neighbour = { SURFACE_NONE, SURFACE_NONE, SURFACE_NONE, SURFACE_NONE },
     };
     if (other == PIECE_NONE) {
@@ -153,7 +157,8 @@ static void emit_shapes(Builder *b)
         out->surface[out->count] = (Surface){
             .kind = SURFACE_SHAPE,
             .primitive = out->triangle_count + out->shape_count,
-            .face = id, .material = face->material, .group = face->group, .area = area,
+            .face = id, .back = SURFACE_NONE, .material = face->material, .group = face->group,
+            .back_material = face->material, .back_group = face->group, .area = area,
             .neighbour = { SURFACE_NONE, SURFACE_NONE, SURFACE_NONE, SURFACE_NONE },
         };
         out->shape[out->shape_count] = face->shape;

@@ -34,7 +34,10 @@ typedef struct {
     SurfaceKind kind;
     uint32_t    primitive;  /* first primitive: a quad's second triangle is primitive + 1 */
     uint32_t    face;       /* polygon it came from; for a shape: polygon_count + shape index */
+    uint32_t    back;       /* polygon that lies on it the other way round and so is its other
+                               side, as in thin plates made of two faces; or SURFACE_NONE */
     uint32_t    material, group;
+    uint32_t    back_material, back_group; /* those of `back`; without it the same as the front's */
     double      area;
     /* neighbour over edge k (triangle: edges 01 12 20; quad: ab bc cd da; shape: none), or
      * SURFACE_NONE at a rim or refused edge */
@@ -44,7 +47,8 @@ typedef struct {
 /* What was found and done while connecting; all are counts. */
 typedef struct {
     uint32_t welded;        /* vertices that fell together with an earlier one */
-    uint32_t duplicate;     /* faces with the corners of an earlier one, in any winding: left out */
+    uint32_t duplicate;     /* faces with the corners of an earlier one, wound like it or like the
+                               one that is its back already: left out */
     uint32_t degenerate;    /* triangles without area: left out */
     uint32_t nonmanifold;   /* triangles at an edge that has two already: kept, linked at most to
                                others of that edge */
@@ -82,6 +86,16 @@ static inline uint32_t surfaces_of_primitive(const Surfaces *s, uint32_t primiti
 {
     return primitive < s->triangle_count ? s->triangle_surface[primitive]
                                          : s->shape_surface[primitive - s->triangle_count];
+}
+
+/* What a side (0 front, 1 back) is made of. */
+static inline uint32_t surfaces_material(const Surfaces *s, uint32_t surface, unsigned side)
+{
+    return side == 0 ? s->surface[surface].material : s->surface[surface].back_material;
+}
+static inline uint32_t surfaces_group(const Surfaces *s, uint32_t surface, unsigned side)
+{
+    return side == 0 ? s->surface[surface].group : s->surface[surface].back_group;
 }
 
 /* (s, t) of a hit, from a primitive and the hit's u, v (triangle: weights of corners 1 and 2). */

@@ -86,7 +86,11 @@ static void pair_edges(Connector *c, bool *closed, Notes *notes)
     for (uint32_t e = 0; e < c->edges.count; e++) {
         const uint32_t *use = c->edges.use + c->edges.first[e];
         const uint32_t n = c->edges.first[e + 1] - c->edges.first[e];
-        *closed = *closed && n == 2;
+        uint32_t faces = n;
+        for (uint32_t k = 0; k < n; k++)
+            faces += c->pieces->back[use[k] / 3] != PIECE_NONE;
+        /* Two, or two sheets of two. */
+        *closed = *closed && (faces == 2 || (n == 2 && faces == 4));
         if (n == 2) {
             c->partner[use[0]] = use[1];
             c->partner[use[1]] = use[0];

@@ -37,10 +37,9 @@ static bool may_join(const Pieces *pieces, const Connection *connection, const P
                      uint32_t use, uint32_t other)
 {
     const uint32_t i = use / 3, j = other / 3;
-    const uint32_t f = pieces->face[i], g = pieces->face[j];
     return i < j && pieces->other[i] == PIECE_NONE && pieces->other[j] == PIECE_NONE
         && connection->reversed[i] == connection->reversed[j]
-        && soup->material[f] == soup->material[g] && soup->group[f] == soup->group[g];
+        && pieces_alike(pieces, soup, i, j);
 }
 
 bool pieces_join(Pieces *pieces, const Connection *connection, const Polygons *soup,

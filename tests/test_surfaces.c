@@ -96,7 +96,8 @@ static void test_duplicates(void **state)
     soup_start(&soup);
     soup_polygon(&soup, (Vec3[]){ a, b, c, d }, 4, 0, 0);
     soup_polygon(&soup, (Vec3[]){ c, d, a, b }, 4, 0, 0);          /* told from elsewhere */
-    soup_polygon(&soup, (Vec3[]){ d, c, b, a }, 4, 0, 0);          /* the other way round */
+    soup_polygon(&soup, (Vec3[]){ d, c, b, a }, 4, 0, 0);          /* its back */
+    soup_polygon(&soup, (Vec3[]){ b, a, d, c }, 4, 0, 0);          /* a second back */
     soup_polygon(&soup, (Vec3[]){ a, b, c }, 3, 0, 0);             /* half of it: cut at a c */
     soup_polygon(&soup, (Vec3[]){ a, b, b, b }, 4, 0, 0);          /* no area */
     soup_polygon(&soup, (Vec3[]){ a, vec3(0.5, 0, 0), b }, 3, 0, 0);
@@ -107,6 +108,58 @@ static void test_duplicates(void **state)
     assert_true(fabs(area_of(s) - 1) < 1e-15);
     surfaces_destroy(s);
     polygons_clear(&soup);
+}
+
+/* Thin plates are two faces that lie on each other back to back: both sides count. */
+static void test_backs(void **state)
+{
+    (void)state;
+    const Vec3 a = { 0, 0, 0 }, b = { 1, 0, 0 }, c = { 1, 1, 0 }, d = { 0, 1, 0 };
+    static const struct {
+        int front, back;    /* 0: a quad; 1: cut at a c; 2: only its half a b c */
+        uint32_t material, group; /* of the back; the front's are 0 */
+        uint32_t count;
+        uint32_t backs;     /* surfaces that have one */
+        bool     closed;
+    } cases[] = {
+        { 0, 0, 1, 1, 1, 1, true },  { 1, 1, 1, 0, 1, 1, true },  { 0, 1, 0, 1, 1, 1, true },
+        { 1, 0, 1, 1, 1, 1, true },  { 0, 0, 0, 0, 1, 1, true },  { 0, 2, 1, 1, 2, 1, false },
+        { 1, 2, 0, 0, 2, 1, false },
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        Polygons soup;
+        soup_start(&soup);
+        for (int side = 0; side < 2; side++) {
+            const int cut = side == 0 ? cases[i].front : cases[i].back;
+            const uint32_t m = side == 0 ? 0 : cases[i].material, g = side == 0 ? 0 : cases[i].group;
+            const Vec3 p[4] = { a, side == 0 ? b : d, c, side == 0 ? d : b };
+            if (cut == 0)
+                soup_polygon(&soup, p, 4, m, g);
+            if (cut == 1)
+                soup_polygon(&soup, (Vec3[]){ p[2], p[3], p[0] }, 3, m, g);
+            if (cut == 1)
+                soup_polygon(&soup, (Vec3[]){ p[0], p[1], p[2] }, 3, m, g);
+            if (cut == 2)
+                soup_polygon(&soup, (Vec3[]){ c, b, a }, 3, m, g);
+        }
+        Surfaces *s = connect(&soup);
+        uint32_t backs = 0;
+        assert_int_equal(s->count, cases[i].count);
+        assert_int_equal(s->repairs.duplicate, 0);
+        assert_int_equal(s->closed, cases[i].closed);
+        assert_true(fabs(area_of(s) - 1) < 1e-15);
+        for (uint32_t k = 0; k < s->count; k++) {
+            const bool has = s->surface[k].back != SURFACE_NONE;
+            backs += has;
+            assert_int_equal(surfaces_material(s, k, 0), 0);
+            assert_int_equal(surfaces_group(s, k, 0), 0);
+            assert_int_equal(surfaces_material(s, k, 1), has ? cases[i].material : 0);
+            assert_int_equal(surfaces_group(s, k, 1), has ? cases[i].group : 0);
+        }
+        assert_int_equal(backs, cases[i].backs);
+        surfaces_destroy(s);
+        polygons_clear(&soup);
+    }
 }
 
 static void test_nonmanifold(void **state)
@@ -328,6 +381,7 @@ int main(void)
         cmocka_unit_test(test_box),
         cmocka_unit_test(test_weld),
         cmocka_unit_test(test_duplicates),
+        cmocka_unit_test(test_backs),
         cmocka_unit_test(test_nonmanifold),
         cmocka_unit_test(test_touching_boxes),
         cmocka_unit_test(test_winding),
