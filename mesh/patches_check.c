@@ -17,8 +17,10 @@ static bool check_side(const Patches *p, const Surfaces *s, uint32_t surface, un
         return false;
     double area = 0;
     for (uint32_t i = first; i < first + count; i++) {
-        if (p->surface[i] != surface || p->side[i] != side || p->material[i] != surfaces_material(s, surface, side)
-            || p->group[i] != surfaces_group(s, surface, side) || !(p->area[i] > 0) || !isfinite(p->area[i]))
+        if (p->surface[i] != surface || p->side[i] != side
+            || p->material[i] != surfaces_material(s, surface, side)
+            || p->group[i] != surfaces_group(s, surface, side) || !(p->area[i] > 0)
+            || !isfinite(p->area[i]))
             return false;
         if (!(fabs(vec3_dot(p->normal[i], p->normal[i]) - 1) < rounding_bound(64)))
             return false;

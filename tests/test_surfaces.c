@@ -131,7 +131,8 @@ static void test_backs(void **state)
         soup_start(&soup);
         for (int side = 0; side < 2; side++) {
             const int cut = side == 0 ? cases[i].front : cases[i].back;
-            const uint32_t m = side == 0 ? 0 : cases[i].material, g = side == 0 ? 0 : cases[i].group;
+            const uint32_t m = side == 0 ? 0 : cases[i].material;
+            const uint32_t g = side == 0 ? 0 : cases[i].group;
             const Vec3 p[4] = { a, side == 0 ? b : d, c, side == 0 ? d : b };
             if (cut == 0)
                 soup_polygon(&soup, p, 4, m, g);
