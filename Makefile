@@ -127,7 +127,7 @@ demo: deps
 	@mkdir -p $(BUILD)/demo
 	$(BUILD)/isolux render $(DEMO) -o $(BUILD)/demo/cornell.exr
 	@echo "The picture:"
-	@ls -1 $(CURDIR)/$(BUILD)/demo/cornell.* | sed 's/^/  /'
+	@realpath $(BUILD)/demo/cornell.* | sed 's/^/  /'
 
 .PHONY: bench
 bench: all

@@ -10,7 +10,7 @@
 #include "math/tolerance.h"
 #include "scenes/ceiling_light.h"
 
-/* What is asked of closed factors (DESIGN: row sums, reciprocity and balance to 1e-6). */
+/* What is asked of closed factors: row sums, reciprocity and balance to 1e-6. */
 static const double CLOSURE_TOLERANCE = 1e-6;
 
 /* In a hurry, factors are cast again with this many rays in all: about a second's work. */
@@ -71,6 +71,23 @@ static void scale_lights(Scene *scene, double unit_m)
             rgb_scale(scene->lights[i].intensity, 1 / (unit_m * unit_m));
 }
 
+/* The solver and the gather's lamp rays take glass for a black wall: who lights a room through a
+ * window must know. */
+static void warn_glass(const Pipeline *pipeline)
+{
+    const Polygons *soup = &pipeline->scene->polygons;
+    const Session *session = pipeline->session;
+    const unsigned lit = COMMAND_RENDER | COMMAND_SOLVE | COMMAND_MEASURE;
+    if ((lit & (unsigned)session->options.command) == 0)
+        return;
+    for (size_t i = 0; i < soup->material_count; i++)
+        if (rgb_max(soup->materials[i].transmittance) > 0) {
+            monitor_warn(&session->monitor, "glass-opaque", soup->materials[i].name,
+                         "is clear to the eye, but the light that is solved for does not pass it");
+            return;
+        }
+}
+
 bool pipeline_read(Pipeline *pipeline, Error *err)
 {
     Session *session = pipeline->session;
@@ -83,6 +100,7 @@ bool pipeline_read(Pipeline *pipeline, Error *err)
         scale_lights(pipeline->scene, session->options.unit_m);
         if (options_given(&session->options, OPTION_UP))
             pipeline->scene->up = vec3_unit(session->options.up);
+        warn_glass(pipeline);
     }
     pipeline_note(pipeline, STAGE_READ, begin);
     return pipeline->scene != NULL && pipeline_fits(pipeline, 0, session->options.scene, err);
