@@ -24,9 +24,16 @@ typedef struct {
     uint32_t        members;
 } LampSearch;
 
-static bool emits(const LampSearch *search, uint32_t surface)
+static bool emits(const LampSearch *search, uint32_t surface, unsigned side)
 {
-    return rgb_max(search->materials[search->surfaces->surface[surface].material].emission) > 0;
+    const uint32_t material = surfaces_material(search->surfaces, surface, side);
+    return rgb_max(search->materials[material].emission) > 0;
+}
+
+/* Two faces back to back: each side has a material of its own, and shines or not by itself. */
+static bool is_double(const LampSearch *search, uint32_t surface)
+{
+    return search->surfaces->surface[surface].back != SURFACE_NONE;
 }
 
 /* Gathers the surfaces of one lamp: neighbours with the same material. */
@@ -39,7 +46,7 @@ static void gather_lamp(LampSearch *search, uint32_t first)
     for (uint32_t k = 0; k < search->members; k++)
         for (int edge = 0; edge < 4; edge++) {
             const uint32_t next = surface[search->member[k]].neighbour[edge];
-            if (next == SURFACE_NONE || search->seen[next] ||
+            if (next == SURFACE_NONE || search->seen[next] || is_double(search, next) ||
                 surface[next].material != surface[first].material)
                 continue;
             search->seen[next] = 1;
@@ -87,8 +94,10 @@ static bool faces_wall(const LampSearch *search, unsigned side, double reach)
             const Vec3 out = side == 0 ? at.normal : vec3_scale(at.normal, -1);
             const Ray ray = ray_leaving(at.point, out, search->offset, out, (float)reach);
             Hit hit;
-            if (!bvh_nearest(search->bvh, &ray, &hit) ||
-                emits(search, surfaces_of_primitive(search->surfaces, hit.primitive)))
+            if (!bvh_nearest(search->bvh, &ray, &hit))
+                return false;
+            const uint32_t met = surfaces_of_primitive(search->surfaces, hit.primitive);
+            if (emits(search, met, 0) || emits(search, met, 1))
                 return false;
         }
     }
@@ -111,7 +120,11 @@ static void decide_all(LampSearch *search, EmitSide emit, uint8_t *emitting, uin
     static const uint8_t bits[] = { [EMIT_FRONT] = 1, [EMIT_BACK] = 2, [EMIT_BOTH] = 3 };
     const char *name = "";
     for (uint32_t i = 0; i < search->surfaces->count; i++) {
-        if (!emits(search, i)) {
+        if (is_double(search, i)) {
+            emitting[i] = (uint8_t)(emits(search, i, 0) | emits(search, i, 1) << 1);
+            continue;
+        }
+        if (!emits(search, i, 0)) {
             emitting[i] = 0;
             continue;
         }

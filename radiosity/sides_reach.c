@@ -88,15 +88,19 @@ static int cell_along(const Reach *reach, uint32_t side, double x)
     return k < 0 ? 0 : k < grid ? k : grid - 1;
 }
 
+static uint64_t cell_of(const Reach *reach, Place place)
+{
+    const int i = cell_along(reach, place.side, place.s);
+    const int j = cell_along(reach, place.side, place.t);
+    return reach->first[place.side] + (uint64_t)(j * reach->grid[place.side / 2] + i);
+}
+
 void reach_add(Reach *reach, Place place)
 {
     if (place.side == SIDE_NONE)
         return;
     assert(place.side < 2 * reach->surfaces->count);
-    const int i = cell_along(reach, place.side, place.s);
-    const int j = cell_along(reach, place.side, place.t);
-    const uint64_t at = reach->first[place.side] + (uint64_t)j * reach->grid[place.side / 2] +
-                        (uint64_t)i;
+    const uint64_t at = cell_of(reach, place);
     if (reach->cell[at].side != SIDE_NONE)
         return;
     reach->cell[at] = place;
@@ -139,6 +143,21 @@ static Place place_hit(const Reach *reach, const Hit *hit, Vec3 direction)
     return (Place){ 2 * surface + (vec3_dot(front, direction) > 0), (float)s, (float)t };
 }
 
+/* Where rays leave a place: just off its surface. */
+static Vec3 place_start(const Reach *reach, Place place)
+{
+    const SurfacePoint at = place_point(reach, place);
+    return vec3_mad(at.point, reach->offset, at.normal);
+}
+
+static bool is_free(const Reach *reach, Vec3 from, Vec3 to)
+{
+    const Vec3 d = vec3_sub(to, from);
+    const Ray ray = { .ox = (float)from.x, .oy = (float)from.y, .oz = (float)from.z, .t_min = 0,
+                      .dx = (float)d.x, .dy = (float)d.y, .dz = (float)d.z, .t_max = 1 };
+    return !bvh_blocked(reach->bvh, &ray);
+}
+
 /* What a ray from a place towards (a, b) of its hemisphere meets. */
 static Place look_from(const Reach *reach, Place place, double a, double b)
 {
@@ -151,6 +170,17 @@ static Place look_from(const Reach *reach, Place place, double a, double b)
     Hit hit;
     bvh_nearest(reach->bvh, &ray, &hit);
     return place_hit(reach, &hit, d);
+}
+
+/* A place met from `start`, unless it is known already or lies so close to an edge that what leaves
+ * it would start behind the next wall: a thing of a million triangles has such places, and one is
+ * enough to let sight into all that is closed. */
+static Place only_new(const Reach *reach, Place place, Vec3 start)
+{
+    const Place none = { .side = SIDE_NONE };
+    if (place.side == SIDE_NONE || reach->cell[cell_of(reach, place)].side != SIDE_NONE)
+        return none;
+    return is_free(reach, place_start(reach, place), start) ? place : none;
 }
 
 /* --- looking on ------------------------------------------------------------------------------- */
@@ -175,7 +205,7 @@ static void look_chunk(void *context, uint32_t begin, uint32_t end, unsigned wor
                           .t_max = INFINITY };
         Hit hit;
         bvh_nearest(look->reach->bvh, &ray, &hit);
-        look->reach->found[k] = place_hit(look->reach, &hit, d);
+        look->reach->found[k] = only_new(look->reach, place_hit(look->reach, &hit, d), o);
     }
 }
 
@@ -195,10 +225,13 @@ static void on_chunk(void *context, uint32_t begin, uint32_t end, unsigned worke
     for (uint32_t k = begin; k < end; k++) {
         const uint32_t cell = reach->queue[reach->shot + k];
         const uint32_t seed = sampling_seed(reach->seed, cell, SEED_SIDES, 0);
+        const Place from = reach->cell[cell];
+        const Vec3 start = place_start(reach, from);
         for (uint32_t r = 0; r < RAYS_ON; r++) {
             float x[2];
             sampling_sobol2(r, seed, x);
-            reach->found[k * RAYS_ON + r] = look_from(reach, reach->cell[cell], x[0], x[1]);
+            reach->found[k * RAYS_ON + r] =
+                only_new(reach, look_from(reach, from, x[0], x[1]), start);
         }
     }
 }
@@ -220,19 +253,12 @@ static bool spread_on(Reach *reach)
 
 /* --- looking back ----------------------------------------------------------------------------- */
 
-static bool is_free(const Reach *reach, Vec3 from, Vec3 to)
-{
-    const Vec3 d = vec3_sub(to, from);
-    const Ray ray = { .ox = (float)from.x, .oy = (float)from.y, .oz = (float)from.z, .t_min = 0,
-                      .dx = (float)d.x, .dy = (float)d.y, .dz = (float)d.z, .t_max = 1 };
-    return !bvh_blocked(reach->bvh, &ray);
-}
-
 /* Whether one can go through the air from one place of a side to another nearby: over a flat tent
  * for level sides, over a steep one where the side bulges in between. */
 static bool is_joined(const Reach *reach, Place a, Place b)
 {
-    static const double heights[] = { 0.1, 0.5 }; /* of the tent, relative to its length */
+    const bool level = reach->surfaces->surface[a.side / 2].kind != SURFACE_SHAPE;
+    const double height = level ? 0.1 : 0.5; /* of the tent, relative to its length */
     const SurfacePoint p = place_point(reach, a), q = place_point(reach, b);
     const Vec3 from = vec3_mad(p.point, reach->offset, p.normal);
     const Vec3 to = vec3_mad(q.point, reach->offset, q.normal);
@@ -240,69 +266,139 @@ static bool is_joined(const Reach *reach, Place a, Place b)
     if (length <= reach->offset)
         return true;
     const Vec3 up = vec3_unit(vec3_add(p.normal, q.normal));
-    for (int k = 0; k < 2; k++) {
-        const Vec3 top = vec3_mad(vec3_lerp(from, to, 0.5), heights[k] * length, up);
-        if (is_free(reach, from, top) && is_free(reach, to, top))
-            return true;
-    }
-    return false;
+    const Vec3 top = vec3_mad(vec3_lerp(from, to, 0.5), height * length, up);
+    return is_free(reach, from, top) && is_free(reach, to, top);
 }
 
-/* Whether a place lies in reach, by the places in reach in its cell and those around. */
-static bool is_reached(const Reach *reach, Place place)
+/* Whether a place that was met from `start` lies in reach: by the one in reach in its cell, or a few
+ * in the cells around. */
+static bool is_reached(const Reach *reach, Place place, Vec3 start)
 {
-    if (place.side == SIDE_NONE || !is_used(reach, place.side))
-        return false;
+    enum { AROUND_MAX = 3 };
+    const Place own = reach->cell[cell_of(reach, place)];
     const int grid = reach->grid[place.side / 2];
+    if (!is_free(reach, place_start(reach, place), start))
+        return false;
+    if (own.side != SIDE_NONE)
+        return is_joined(reach, place, own);
     const int i = cell_along(reach, place.side, place.s);
     const int j = cell_along(reach, place.side, place.t);
+    int tried = 0;
     for (int y = j > 0 ? j - 1 : 0; y <= j + 1 && y < grid; y++)
         for (int x = i > 0 ? i - 1 : 0; x <= i + 1 && x < grid; x++) {
             const Place near = reach->cell[reach->first[place.side] + (uint64_t)(y * grid + x)];
-            if (near.side != SIDE_NONE && is_joined(reach, place, near))
+            if (near.side == SIDE_NONE || tried++ >= AROUND_MAX)
+                continue;
+            if (is_joined(reach, place, near))
                 return true;
         }
     return false;
 }
 
+/* A place all over a side, but not where its start would lie behind a neighbour's plane: edges keep
+ * MARGIN offsets away, or the middle is taken where that leaves nothing. */
+static Place inner_place(const Reach *reach, uint32_t side, double a, double b)
+{
+    static const double MARGIN = 4, SHAPE_MARGIN = 0.01;
+    const Surfaces *surfaces = reach->surfaces;
+    const Surface *surface = &surfaces->surface[side / 2];
+    const double keep = MARGIN * reach->offset;
+    if (surface->kind == SURFACE_SHAPE)
+        return (Place){ side, (float)(SHAPE_MARGIN + (1 - 2 * SHAPE_MARGIN) * a),
+                        (float)(SHAPE_MARGIN + (1 - 2 * SHAPE_MARGIN) * b) };
+    Vec3 p[3];
+    for (int k = 0; k < 3; k++)
+        p[k] = surfaces->position[surfaces->corner[3 * surface->primitive + k]];
+    const bool triangle = surface->kind == SURFACE_TRIANGLE;
+    const double twice = vec3_length(vec3_cross(vec3_sub(p[1], p[0]), vec3_sub(p[2], p[0])));
+    /* Weight of corner k, relative to its height above the edge across: s and t first. */
+    double rim[3], sum = 0;
+    for (int k = 0; k < 3; k++) {
+        rim[k] = keep * vec3_length(vec3_sub(p[(k + 1) % 3], p[(k + 2) % 3])) / twice;
+        sum += rim[k];
+    }
+    double s = a, t = b;
+    if (triangle) {
+        sampling_triangle(a, b, &s, &t);
+        if (!(sum < 1))
+            return (Place){ side, 1.0F / 3, 1.0F / 3 };
+        return (Place){ side, (float)(rim[1] + (1 - sum) * s), (float)(rim[2] + (1 - sum) * t) };
+    }
+    /* a (0,0), b (1,0), c (1,1): the height over ab belongs to t, the one over bc to s. */
+    const double over_s = fmin(rim[0], 0.5), over_t = fmin(rim[2], 0.5);
+    return (Place){ side, (float)(over_s + (1 - 2 * over_s) * s),
+                    (float)(over_t + (1 - 2 * over_t) * t) };
+}
+
+/* How many of the sides it saw in vain a side remembers, to know when it pays to look again. */
+enum { MET = 2 };
+
 typedef struct {
-    Reach   *reach;
-    Place   *seen;      /* [2 * surfaces]  a place of each side that was found to be in reach */
-    uint32_t rays, round;
+    Reach    *reach;
+    Place    *seen;      /* [2 * surfaces]  a place of each side that was found to be in reach */
+    uint32_t *met;       /* [2 * surfaces * MET]  other sides it saw in vain; SIDE_NONE: none */
+    uint32_t  rays, round;
 } Back;
+
+/* After the first round only a side that saw one that has come into use since, or a part in doubt of
+ * one that was. */
+static bool is_worth_while(const Back *back, uint32_t side)
+{
+    bool hope = back->round == 0;
+    for (uint32_t k = 0; k < MET; k++) {
+        const uint32_t other = back->met[side * MET + k];
+        hope = hope || (other != SIDE_NONE && is_used(back->reach, other));
+    }
+    return hope && !is_used(back->reach, side);
+}
+
+static void look_back(const Back *back, uint32_t side)
+{
+    const Reach *reach = back->reach;
+    const uint32_t seed = sampling_seed(reach->seed, side, SEED_SIDES, 1 + back->round);
+    uint32_t *met = &back->met[side * MET];
+    for (uint32_t k = 0; k < MET; k++)
+        met[k] = SIDE_NONE;
+    for (uint32_t r = 0; r < back->rays; r++) {
+        float x[4];
+        sampling_sobol4(r, seed, x);
+        const Place place = inner_place(reach, side, x[0], x[1]);
+        const Place other = look_from(reach, place, x[2], x[3]);
+        if (other.side == SIDE_NONE)
+            continue;
+        if (is_used(reach, other.side) && is_reached(reach, other, place_start(reach, place))) {
+            back->seen[side] = place;
+            return;
+        }
+        if (other.side != met[0]) {
+            met[1] = met[0];
+            met[0] = other.side;
+        }
+    }
+}
 
 static void back_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
 {
     const Back *back = context;
-    const Reach *reach = back->reach;
     (void)worker;
     for (uint32_t side = begin; side < end; side++) {
         back->seen[side].side = SIDE_NONE;
-        if (is_used(reach, side))
-            continue;
-        const uint32_t seed = sampling_seed(reach->seed, side, SEED_SIDES, 1 + back->round);
-        const bool triangle = reach->surfaces->surface[side / 2].kind == SURFACE_TRIANGLE;
-        for (uint32_t r = 0; r < back->rays && back->seen[side].side == SIDE_NONE; r++) {
-            float x[4];
-            double s, t;
-            sampling_sobol4(r, seed, x);
-            s = x[0];
-            t = x[1];
-            if (triangle)
-                sampling_triangle(x[0], x[1], &s, &t);
-            const Place place = { side, (float)s, (float)t };
-            if (is_reached(reach, look_from(reach, place, x[2], x[3])))
-                back->seen[side] = place;
-        }
+        if (is_worth_while(back, side))
+            look_back(back, side);
     }
 }
 
 bool reach_spread(Reach *reach, Error *err)
 {
+    static const char what[] = "the search for sides in sight";
     const uint32_t sides = 2 * reach->surfaces->count;
     Back back = { .reach = reach, .rays = reach->rays };
-    back.seen = array_create(sides, sizeof *back.seen, "the search for sides in sight", err);
-    bool done = back.seen != NULL;
+    back.seen = array_create(sides, sizeof *back.seen, what, err);
+    back.met = array_create((size_t)sides * MET, sizeof *back.met, what, err);
+    const bool made = !error_is_set(err);
+    for (size_t k = 0; made && k < (size_t)sides * MET; k++)
+        back.met[k] = SIDE_NONE;
+    bool done = made;
     uint64_t before = UINT64_MAX;
     for (; done && back.round < ROUNDS_MAX && reach->reached != before; back.round++) {
         done = spread_on(reach);
@@ -315,5 +411,8 @@ bool reach_spread(Reach *reach, Error *err)
             back.rays /= 2;
     }
     array_free(back.seen);
-    return done || error_set(err, ERROR_STOPPED, "stopped while looking for sides in sight");
+    array_free(back.met);
+    if (made && !done)
+        error_set(err, ERROR_STOPPED, "stopped while looking for sides in sight");
+    return done;
 }

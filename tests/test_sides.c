@@ -254,6 +254,25 @@ static void test_emits_both(void **state)
     room_clear(&r);
 }
 
+/* A plate of two faces back to back, one of which shines: into its own half of the room only. */
+static void test_double_plate(void **state)
+{
+    (void)state;
+    for (int order = 0; order < 2; order++) {
+        TestRoom r = { 0 };
+        const uint32_t wall = room_material(&r, 0.5, 0), lamp = room_material(&r, 0, 1);
+        const Vec3 o = { 0.4, 0.4, 0.5 }, x = { 0.2, 0, 0 }, y = { 0, 0.2, 0 };
+        room_box(&r, ORIGIN, UNIT, BOX_ALL, true, wall, "");
+        room_quad(&r, o, x, y, order ? lamp : wall, "plate");
+        room_quad(&r, o, y, x, order ? wall : lamp, "other");
+        find(&r, &(SidesOptions){ 0 }, NULL, 0, NULL);
+        assert_int_equal(r.surfaces->count, 7);
+        assert_int_equal(sides_of(&r, "plate"), BOTH);
+        assert_int_equal(emitting_of(&r, "plate"), order ? FRONT : BACK);
+        room_clear(&r);
+    }
+}
+
 /* --- promises --------------------------------------------------------------------------------- */
 
 static void test_threads(void **state)
@@ -308,7 +327,8 @@ int main(void)
         cmocka_unit_test(test_open_front),     cmocka_unit_test(test_deep),
         cmocka_unit_test(test_lamp_turned),    cmocka_unit_test(test_lamp_in_hole),
         cmocka_unit_test(test_box_lamp),       cmocka_unit_test(test_emits_both),
-        cmocka_unit_test(test_threads),        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_double_plate),   cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
