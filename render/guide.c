@@ -62,8 +62,8 @@ bool guide_init(Guide *guide, const double light[GUIDE_SIDE][GUIDE_SIDE])
 static int axis_map(const GuideAxis *axis, float *u)
 {
     int cell = 0;
-    for (int step = GUIDE_SIDE / 2; step > 0; step /= 2)
-        cell += axis->below[cell + step] <= *u ? step : 0;
+    for (int i = 1; i < GUIDE_SIDE; i++) /* all at once in vector registers: faster than halving */
+        cell += axis->below[i] <= *u;
     const float place = axis->shift[cell] + axis->scale[cell] * *u;
     *u = place < 0 ? 0 : place < 1 ? place : 1 - 0x1p-24F;
     return cell;

@@ -76,7 +76,8 @@ static void lesson_block(Lesson *lesson, Wave *wave, const Receiver *at, uint32_
         cell[k][0] = (uint8_t)(u[0] * GUIDE_SIDE);
         cell[k][1] = (uint8_t)(u[1] * GUIDE_SIDE);
         const size_t who = (size_t)((uint64_t)(begin + k) * count / rays);
-        wave->ray[k] = wave_hemisphere(g->room, &at[who], u);
+        const WaveFrame frame = wave_frame(g->room, &at[who]);
+        wave->ray[k] = wave_hemisphere(&frame, u);
     }
     bvh_nearest_many(g->room->bvh, wave->ray, wave->hit, n);
     wave->rays += n;

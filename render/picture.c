@@ -17,7 +17,7 @@
 #include "render/specular.h"
 #include "render/wave.h"
 
-enum { TILE = 16, BOUNCES = 8 };
+enum { TILE = 16, BOUNCES = 8, RAYS_MAX = 1 << 20 };
 static_assert(TILE * TILE <= GUIDES_POINTS, "the centres of a tile are what guides are trained for");
 enum { SEED_PIXEL = 100, SEED_SPECULAR, SEED_WAVE = 200 }; /* + bounce for the last */
 
@@ -233,6 +233,12 @@ static void aim_lamps(const Render *render, Worker *worker, uint32_t centres)
     lamps_aim(lamps, some, n, worker->lamp_shares);
 }
 
+static uint32_t rays_per_pixel(const RenderOptions *o)
+{
+    const uint64_t rays = (uint64_t)o->samples * o->gather_rays;
+    return rays < RAYS_MAX ? (uint32_t)rays : RAYS_MAX;
+}
+
 static void render_tile(const Render *render, Worker *worker, uint32_t tile)
 {
     const int x0 = (int)(tile % render->tiles_x) * TILE, y0 = (int)(tile / render->tiles_x) * TILE;
@@ -249,7 +255,7 @@ static void render_tile(const Render *render, Worker *worker, uint32_t tile)
             worker->reach[centres++] = TILE * pixel * distance;
         }
     guides_train(&worker->guides, &worker->wave, worker->centre, worker->reach, centres,
-                 render->options->samples * render->options->gather_rays,
+                 rays_per_pixel(render->options),
                  sampling_seed(tile, 0, render->options->seed, 2));
     aim_lamps(render, worker, centres);
     for (int y = y0; y < y1; y++)
@@ -281,6 +287,9 @@ static RenderOptions with_defaults(const RenderOptions *options)
     o.samples = o.samples > 0 ? o.samples : 64;
     o.gather_rays = o.gather_rays > 0 ? o.gather_rays : 4;
     o.light_rays = o.light_rays > 0 ? o.light_rays : 1;
+    /* Far more than is of any use, and indices of rays stay below 2^32. */
+    o.gather_rays = o.gather_rays < RAYS_MAX ? o.gather_rays : RAYS_MAX;
+    o.light_rays = o.light_rays < RAYS_MAX ? o.light_rays : RAYS_MAX;
     o.threads = parallel_threads(o.threads);
     return o;
 }

@@ -165,32 +165,69 @@ double wave_nearness(const Gatherer *gatherer, const WaveEnd *end, const Hit *hi
     return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
 }
 
-Ray wave_hemisphere(const Room *room, const Receiver *at, const float u[2])
+/* The cosine map of math/sampling.h once more in float, which is all a ray keeps of it, and without
+ * a branch to mispredict: these two lines of polynomials are met by every ray. */
+static void cosine_direction(const float u[2], float *x, float *y, float *z)
 {
-    Vec3       s, t;
-    const Vec3 c = sampling_cosine(u[0], u[1]), n = at->normal;
-    vec3_frame(n, &s, &t);
-    const Vec3 d = vec3_mad(vec3_mad(vec3_scale(n, c.z), c.x, s), c.y, t);
-    return ray_leaving(at->point, n, wave_offset(room, at->point), d, INFINITY);
+    const float p = 2 * u[0] - 1, q = 2 * u[1] - 1;
+    const bool  wide = fabsf(p) > fabsf(q);
+    const float r = wide ? p : q, o = wide ? q : p;
+    const float angle = r != 0 ? (float)M_PI_4 * (o / r) : 0, a = angle * angle;
+    /* Taylor series up to |angle| = pi / 4: the first terms left out are below 3e-8. */
+    const float c = 1 + a * (-1.0F / 2 + a * (1.0F / 24 + a * (-1.0F / 720 + a * (1.0F / 40320))));
+    const float s = angle * (1 + a * (-1.0F / 6 + a * (1.0F / 120 + a * (-1.0F / 5040 +
+                    a * (1.0F / 362880)))));
+    const float lowest = 1e-4F; /* as in sampling_cosine */
+    const float square = 1 - r * r;
+    *x = r * (wide ? c : s);
+    *y = r * (wide ? s : c);
+    *z = square > lowest * lowest ? sqrtf(square) : lowest;
 }
 
-/* Directions for rays begin..end-1 of the level's points. */
-static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t end, uint32_t rays,
+WaveFrame wave_frame(const Room *room, const Receiver *at)
+{
+    WaveFrame f = { .normal = at->normal };
+    vec3_frame(at->normal, &f.s, &f.t);
+    f.origin = vec3_mad(at->point, wave_offset(room, at->point), at->normal);
+    return f;
+}
+
+Ray wave_hemisphere(const WaveFrame *frame, const float u[2])
+{
+    float x, y, z;
+    cosine_direction(u, &x, &y, &z);
+    const Vec3 d = vec3_mad(vec3_mad(vec3_scale(frame->normal, z), x, frame->s), y, frame->t);
+    return (Ray){ .ox = (float)frame->origin.x, .oy = (float)frame->origin.y,
+                  .oz = (float)frame->origin.z, .t_min = 0, .dx = (float)d.x, .dy = (float)d.y,
+                  .dz = (float)d.z, .t_max = INFINITY };
+}
+
+/* Directions for rays begin..begin+n-1 of the level's points, and whose they are. */
+static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t n, uint32_t rays,
                        const WaveOptions *options)
 {
     const Room    *room = wave->gatherer->room;
     const bool     clear = options->clear && wave->gatherer->clear;
     const uint32_t seed = seed_of(options->seed, SEED_DIRECTION, level);
-    for (uint32_t e = begin; e < end; e++) {
-        const WavePoint *p = &wave->point[level][e / rays];
-        float            u[2];
-        sampling_sobol2(p->index * rays + e % rays, seed, u);
-        wave->worth[e - begin] = p->guide != NULL ? (float)guide_map(p->guide, u) : 1;
-        wave->ray[e - begin] = wave_hemisphere(room, &p->at, u);
+    uint32_t       owner = begin / rays, turn = begin % rays;
+    WaveFrame      frame = wave_frame(room, &wave->point[level][owner].at);
+    for (uint32_t k = 0; k < n; k++, turn++) {
+        float u[2];
+        if (turn == rays) {
+            turn = 0;
+            owner++;
+            frame = wave_frame(room, &wave->point[level][owner].at);
+        }
+        const WavePoint *p = &wave->point[level][owner];
+        wave->owner[k] = owner;
+        wave->index[k] = p->index * rays + turn;
+        sampling_sobol2(wave->index[k], seed, u);
+        wave->worth[k] = p->guide != NULL ? (float)guide_map(p->guide, u) : 1;
+        wave->ray[k] = wave_hemisphere(&frame, u);
     }
-    bvh_nearest_many(room->bvh, wave->ray, wave->hit, end - begin);
-    wave->rays += end - begin;
-    for (uint32_t k = 0; k < end - begin; k++)
+    bvh_nearest_many(room->bvh, wave->ray, wave->hit, n);
+    wave->rays += n;
+    for (uint32_t k = 0; k < n; k++)
         wave->pass[k] = clear ? clear_nearest(room, &wave->ray[k], &wave->hit[k]) : rgb(1, 1, 1);
 }
 
@@ -228,12 +265,12 @@ static void add_lamp(Wave *wave, unsigned level, const WavePoint *from, uint32_t
 
 /* A ray's end: a lamp's share, then the solution, or one more receiving point. Returns how many
  * points the next level has now. */
-static uint32_t read_end(Wave *wave, unsigned level, uint32_t e, uint32_t k, uint32_t rays,
+static uint32_t read_end(Wave *wave, unsigned level, uint32_t k, uint32_t rays,
                          const WaveOptions *options, uint32_t next)
 {
     const Gatherer  *g = wave->gatherer;
     const Room      *room = g->room;
-    const WavePoint *p = &wave->point[level][e / rays];
+    const WavePoint *p = &wave->point[level][wave->owner[k]];
     const WaveEnd    end = wave_end(g, &wave->ray[k], &wave->hit[k]);
     if (room->patches->first[end.side][end.surface] == PATCH_NONE)
         return next;
@@ -242,7 +279,7 @@ static uint32_t read_end(Wave *wave, unsigned level, uint32_t e, uint32_t k, uin
         add_lamp(wave, level, p, k, rays, options);
     const double chance = level + 1 < WAVE_LEVELS ? wave_nearness(g, &end, &wave->hit[k]) : 0;
     if (chance > 0) {
-        const uint32_t index = p->index * rays + e % rays;
+        const uint32_t index = wave->index[k];
         const double luck = sampling_mix(index ^ seed_of(options->seed, SEED_RAMP, level)) * 0x1p-32;
         if (luck < chance) {
             receive_at(wave, level, p, k, worth, index, options->guides, next);
@@ -264,12 +301,12 @@ static void receive(Wave *wave, unsigned level, uint32_t count, const WaveOption
     const uint32_t rays = level == 0 ? options->gather_rays : 1;
     for (uint32_t begin = 0; begin < count * rays; begin += WAVE_RAYS) {
         const uint32_t left = count * rays - begin;
-        const uint32_t end = begin + (left < WAVE_RAYS ? left : WAVE_RAYS);
-        cast_block(wave, level, begin, end, rays, options);
-        uint32_t next = 0;
-        for (uint32_t e = begin; e < end; e++)
-            if (wave->hit[e - begin].primitive != RAY_MISS)
-                next = read_end(wave, level, e, e - begin, rays, options, next);
+        const uint32_t n = left < WAVE_RAYS ? left : WAVE_RAYS;
+        uint32_t       next = 0;
+        cast_block(wave, level, begin, n, rays, options);
+        for (uint32_t k = 0; k < n; k++)
+            if (wave->hit[k].primitive != RAY_MISS)
+                next = read_end(wave, level, k, rays, options, next);
         if (next > 0)
             receive(wave, level + 1, next, options);
     }

@@ -69,6 +69,7 @@ typedef struct Wave {
     float     worth[WAVE_RAYS];      /* of a hemisphere ray: 1 / density of its guide */
     LampSample sample[WAVE_RAYS];
     uint32_t   owner[WAVE_RAYS];     /* of the ray: which point of the level */
+    uint32_t   index[WAVE_RAYS];     /* of the hemisphere ray in its sequence */
     double     lit_share;            /* of the last block of lamp rays of level 0 */
     bool       lit_known;
 } Wave;
@@ -80,8 +81,13 @@ void wave_gather(Wave *wave, uint32_t count, const WaveOptions *options);
 /* How far rays that leave p are moved off their surface. */
 double wave_offset(const Room *room, Vec3 p);
 
-/* The ray that leaves a receiver for the point u of the square. */
-Ray wave_hemisphere(const Room *room, const Receiver *at, const float u[2]);
+/* What all hemisphere rays of a receiver share. */
+typedef struct {
+    Vec3 origin, normal, s, t;
+} WaveFrame;
+WaveFrame wave_frame(const Room *room, const Receiver *at);
+/* The ray that leaves it for the point u of the square. */
+Ray wave_hemisphere(const WaveFrame *frame, const float u[2]);
 
 /* Where a ray ended, as much as the solution needs to know: less than a RoomHit, and cheaper. */
 typedef struct {
