@@ -46,8 +46,8 @@ enum { STEPS_MAX = 100, GRADIENT_STEPS_MAX = 200 };
 enum { PATIENCE = 8 };
 static const double GAIN = 0.9;
 
-/* A row is stuck when it is off by this share of what the worst is; the escape it then gets is about
- * as much as chance leaves of a row's visible area. */
+/* A row is stuck when it is off by this share of what the worst is; the escape it then gets is
+ * about as much as chance leaves of a row's visible area. */
 static const double STUCK = 1e-3, WAY_OUT = 1.0 / 64;
 
 /* A conjugate gradient solve goes on until its residual is this share of the first, between these

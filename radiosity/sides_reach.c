@@ -270,8 +270,8 @@ static bool is_joined(const Reach *reach, Place a, Place b)
     return is_free(reach, from, top) && is_free(reach, to, top);
 }
 
-/* Whether a place that was met from `start` lies in reach: by the one in reach in its cell, or a few
- * in the cells around. */
+/* Whether a place that was met from `start` lies in reach: by the one in reach in its cell, or a
+ * few in the cells around. */
 static bool is_reached(const Reach *reach, Place place, Vec3 start)
 {
     enum { AROUND_MAX = 3 };
@@ -340,8 +340,8 @@ typedef struct {
     uint32_t  rays, round;
 } Back;
 
-/* After the first round only a side that saw one that has come into use since, or a part in doubt of
- * one that was. */
+/* After the first round only a side that saw one that has come into use since, or a part in doubt
+ * of one that was. */
 static bool is_worth_while(const Back *back, uint32_t side)
 {
     bool hope = back->round == 0;
