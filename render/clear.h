@@ -15,8 +15,8 @@ bool clear_exists(const Room *room);
 /* Share of light that a blocked ray's way lets pass from end to end: 0 when opaque. */
 Rgb clear_between(const Room *room, const Ray *ray);
 
-/* Follows a ray with its nearest hit through what is clear: *hit becomes the first opaque one, its t
- * still counted from the ray's start, or RAY_MISS. Returns the share of light that passes. */
+/* Follows a ray with its nearest hit through what is clear: *hit becomes the first opaque one, its
+ * t still counted from the ray's start, or RAY_MISS. Returns the share of light that passes. */
 Rgb clear_nearest(const Room *room, const Ray *ray, Hit *hit);
 
 #endif

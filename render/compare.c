@@ -120,7 +120,8 @@ bool image_compare(const float *reference, const float *picture, int width, int 
                 mask[(size_t)j * (size_t)width + (size_t)i] =
                     mask_at(y, width, height, i, j, lamp > 0 ? lamp : LAMP_DEFAULT);
         sum_up(y, difference, mask, pixels, out);
-        out->block_error = out->mean > 0 ? block_rms(difference, mask, width, height) / out->mean : 0;
+        out->block_error =
+            out->mean > 0 ? block_rms(difference, mask, width, height) / out->mean : 0;
         if (!(out->mean > 0))
             error_set(err, ERROR_INPUT, "no pixel to compare: the reference is black or all lamp");
     }

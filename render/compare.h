@@ -2,8 +2,8 @@
 /* render/compare.h -- how far one picture is from another, in luminance.
  *
  * Errors are root mean squares of the difference, divided by the reference's mean over the pixels
- * counted. Left out: lamps (luminance above `lamp`) with a rim of two pixels, and pixels whose 3 x 3
- * neighbourhood in the reference holds a black pixel (background).
+ * counted. Left out: lamps (luminance above `lamp`) with a rim of two pixels, and pixels whose
+ * 3 x 3 neighbourhood in the reference holds a black pixel (background).
  *   all     every counted pixel
  *   smooth  without pixels whose 3 x 3 neighbourhood in the reference spans more than a quarter of
  *           its mean: silhouettes and hard shadow edges, where antialiasing decides

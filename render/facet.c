@@ -38,7 +38,8 @@ void facet_init(Facet *facet, const Vec3 *corner, int count)
 
 /* --- Lambert's formula ----------------------------------------------------------------------- */
 
-/* Cuts away what is below the horizon; v has room for one more corner. Returns how many are left. */
+/* Cuts away what is below the horizon; v has room for one more corner. Returns how many there are
+ * then. */
 static int clip_to_horizon(Vec3 *v, int count, Vec3 n)
 {
     Vec3 out[5];

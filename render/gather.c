@@ -3,6 +3,7 @@
 #include "render/gather.h"
 
 #include <assert.h>
+#include <float.h>
 #include <math.h>
 
 #include "base/array.h"
@@ -126,7 +127,7 @@ void gather_irradiance(const Gatherer *gatherer, Vec3 point, Vec3 normal, uint32
                        uint32_t seed, Irradiance *out)
 {
     assert(gatherer != NULL && out != NULL);
-    assert(fabs(vec3_length(normal) - 1) < 1e-6); /* a unit normal in float will do */
+    assert(fabs(vec3_length(normal) - 1) < 16 * FLT_EPSILON); /* a unit vector in float will do */
     const Receiver at = { point, normal };
     const uint32_t each = rays > SCRAMBLINGS ? rays / SCRAMBLINGS : 1;
     double         first = 0, mean = 0, square = 0;

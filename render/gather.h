@@ -1,9 +1,11 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* render/gather.h -- the final gather: light once more, per pixel or at points, by rays.
  *
  * At a point, light comes from lamps (areas that emit: sampled directly and by the hemisphere rays,
  * combined by multiple importance sampling), from point lights, and from all else: hemisphere rays
- * read the solution, interpolated, where they end. Rays shorter than a patch are followed one bounce
- * further, so that the mesh never shows near corners.
+ * read the solution, interpolated, where they end. Rays shorter than a patch are followed a bounce
+ * further, so that the mesh never shows near corners. Hemisphere rays are guided to where most
+ * light comes from, as learnt per tile.
  * Method   two-pass radiosity [wallace87], final gather [reichert92]; MIS [veach95].
  * Threads  same bytes for any number.
  */
@@ -46,7 +48,9 @@ Image *render_gather(const Gatherer *gatherer, const Camera *camera, const Rende
                      RenderReport *report, const Monitor *monitor, Error *err);
 
 /* Irradiance at a free point with a unit normal: direct from lamps and lights, and indirect; and
- * their standard errors (luminance) from independent scramblings. rays: total hemisphere rays. */
+ * the standard error of their sum (luminance) from 8 independent scramblings. rays: hemisphere rays
+ * in all; a quarter as many go to lamps, and one to each point light. Glass is opaque, as it is to
+ * the solver. */
 typedef struct {
     Rgb    direct, indirect;
     double standard_error;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
 /* render/image.h -- a picture as layers of floats; row 0 on top. */
 #ifndef RENDER_IMAGE_H
 #define RENDER_IMAGE_H
@@ -19,7 +20,10 @@ typedef struct {
     uint32_t *patch;    /* [..]  patch seen at the pixel's centre, UINT32_MAX: none */
 } Image;
 
+/* Black, depth INFINITY, patch UINT32_MAX. fails  NULL; ERROR_MEMORY, ERROR_USAGE for a size out of
+ * 1..32768. */
 Image *image_create(int width, int height, Error *err);
+/* Frees; NULL is allowed. Always returns NULL. */
 Image *image_destroy(Image *image);
 
 /* What a picture file says of itself. Strings may be NULL. */

@@ -247,8 +247,8 @@ bool image_write_exr(const Image *image, const ImageInfo *info, const char *path
 /* A file of this size in memory is refused: far above what any 32768-pixel comparison needs. */
 static const size_t READ_LIMIT = (size_t)4 << 30;
 
-/* No compression of the format makes pixels smaller than deflate's limit of 1032 to 1: a header that
- * claims more is damaged, and must not cost its memory. */
+/* No compression of the format makes pixels smaller than deflate's limit of 1032 to 1: a header
+ * that claims more is damaged, and must not cost its memory. */
 static const double RATIO_LIMIT = 1032;
 
 typedef struct {

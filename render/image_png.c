@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* 8-bit sRGB PNG with text chunks, by libpng; no time chunk, so the same picture is the same file. */
+/* 8-bit sRGB PNG with text chunks, by libpng, the only file that includes it; no time chunk, so the
+ * same picture is the same file. */
 #include <assert.h>
 #include <png.h>
 #include <stdio.h>

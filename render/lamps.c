@@ -281,8 +281,9 @@ bool lamps_sample(const Lamps *lamps, const Receiver *at, const LampPlan *plan, 
     if (lamps->flat) { /* the weights are the irradiances: their sum is what all samples' mean is */
         out->control = rgb(0, 0, 0);
         for (uint32_t i = 0; i < lamps->count; i++)
-            out->control = rgb_mad(out->control, (below[i + 1] - below[i]) / lamps->lamp[i].strength,
-                                   lamps->lamp[i].radiance);
+            out->control =
+                rgb_mad(out->control, (below[i + 1] - below[i]) / lamps->lamp[i].strength,
+                        lamps->lamp[i].radiance);
     } else if (lamps->below == NULL && lamp->facet.count > 0) {
         out->control = rgb_scale(lamp->radiance, total / lamp->strength);
     }

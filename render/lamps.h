@@ -4,8 +4,8 @@
  * A lamp is a flat facet or a curved surface, one side of it. With few lamps each receiving point
  * weighs them by what they would send there if nothing were in the way: for facets that is exact
  * (Lambert's formula), so one sample of one lamp, times the exact sum, has no noise where all is
- * lit or all is dark. Many lamps are chosen by shares for a whole place; then, and for curved lamps always, hemisphere
- * rays that hit a lamp count too, by multiple importance sampling [veach95].
+ * lit or all is dark. Many lamps are chosen by shares for a whole place; then, and for curved lamps
+ * always, hemisphere rays that hit a lamp count too, by multiple importance sampling [veach95].
  * Threads  never changes once made.
  */
 #ifndef RENDER_LAMPS_H
@@ -40,8 +40,8 @@ typedef struct {
     const Room *room;
     Lamp       *lamp;    /* [count] */
     uint32_t    count, capacity;
-    double     *below;   /* [count + 1]  power of the lamps before, shares of 1; count above
-                            LAMPS_WEIGHED only */
+    double     *below;   /* [count + 1]  power of the lamps before, shares of 1; NULL up to
+                            LAMPS_WEIGHED of them */
     uint32_t   *first;   /* [2 * surfaces->count]  side * count + surface -> its first lamp, the
                             others follow; or UINT32_MAX. NULL when `shared` is false */
     bool        shared;  /* hemisphere rays that hit lamps count */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* render/normals.h -- smooth normals for mirrors: what a mesh of triangles approximates.
  *
- * Only reflections and refractions use them; light that is received meets the triangles as they are,
- * so that what is measured and what is seen agree.
+ * Only reflections and refractions use them; light that is received meets the triangles as they
+ * are, so that what is measured and what is seen agree.
  */
 #ifndef RENDER_NORMALS_H
 #define RENDER_NORMALS_H

@@ -18,7 +18,8 @@
 #include "render/wave.h"
 
 enum { TILE = 16, BOUNCES = 8, RAYS_MAX = 1 << 20 };
-static_assert(TILE * TILE <= GUIDES_POINTS, "the centres of a tile are what guides are trained for");
+static_assert(TILE * TILE <= GUIDES_POINTS,
+              "the centres of a tile are what guides are trained for");
 enum { SEED_PIXEL = 100, SEED_SPECULAR, SEED_WAVE = 200 }; /* + bounce for the last */
 
 static const double PI = 3.14159265358979323846;

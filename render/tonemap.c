@@ -3,8 +3,8 @@
  *
  * Curve    linear up to KNEE, so that mid greys and all below keep their value; above it a shoulder
  *              y = KNEE + (1 - KNEE) (1 - exp(-(v - KNEE) / (1 - KNEE)))
- *          which leaves the line with the same slope and reaches white only at infinity. It works on
- *          each channel, so that very bright colours fade to white as they do on film.
+ *          which leaves the line with the same slope and reaches white only at infinity. It works
+ *          on each channel, so that very bright colours fade to white as they do on film.
  * Dither   an 8 x 8 ordered pattern of one step, the same for each picture and the three channels:
  *          no banding on large soft walls, and the same bytes each time.
  */

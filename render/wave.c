@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Light at many points: lamp samples with controls, cosine rays, and one step further near corners. */
+/* Light at many points: lamp samples with controls, cosine rays, a step further near corners. */
 #include "render/wave.h"
 
 #include <assert.h>
@@ -116,8 +116,9 @@ static void receive_lamps(Wave *wave, unsigned level, uint32_t count, const Wave
     const uint32_t rays = level == 0 ? options->lamp_rays : 1;
     for (uint32_t begin = 0; begin < count * rays; begin += WAVE_RAYS) {
         const uint32_t left = count * rays - begin;
-        const uint32_t n = aim_block(wave, level, begin, begin + (left < WAVE_RAYS ? left : WAVE_RAYS),
-                                     rays, options, lights);
+        const uint32_t n =
+            aim_block(wave, level, begin, begin + (left < WAVE_RAYS ? left : WAVE_RAYS), rays,
+                      options, lights);
         if (n == 0)
             continue;
         cast_shadows(wave, n, options);
@@ -280,7 +281,8 @@ static uint32_t read_end(Wave *wave, unsigned level, uint32_t k, uint32_t rays,
     const double chance = level + 1 < WAVE_LEVELS ? wave_nearness(g, &end, &wave->hit[k]) : 0;
     if (chance > 0) {
         const uint32_t index = wave->index[k];
-        const double luck = sampling_mix(index ^ seed_of(options->seed, SEED_RAMP, level)) * 0x1p-32;
+        const double luck =
+            sampling_mix(index ^ seed_of(options->seed, SEED_RAMP, level)) * 0x1p-32;
         if (luck < chance) {
             receive_at(wave, level, p, k, worth, index, options->guides, next);
             return next + 1;

@@ -99,7 +99,7 @@ static void place_solve(Place *p)
     const uint32_t n = p->patches->count;
     double *emission = array_create((size_t)n * 3, sizeof(double), "test", &p->err);
     double *reflectance = array_create((size_t)n * 3, sizeof(double), "test", &p->err);
-    Links  *raw = links_create(&p->room, &(LinksOptions){ .rays = 64, .threads = 1 }, NULL, &p->err);
+    Links *raw = links_create(&p->room, &(LinksOptions){ .rays = 64, .threads = 1 }, NULL, &p->err);
     p->links = links_close(raw, CLOSURE_ROWS, 1, NULL, &p->err);
     links_destroy(raw);
     assert_string_equal(p->err.text, "");
@@ -110,8 +110,8 @@ static void place_solve(Place *p)
         memcpy(reflectance + 3 * i, &r, sizeof r);
     }
     const SolveProblem problem = { 3, emission, reflectance, NULL };
-    p->solution = solve(p->links, &problem, &(SolveOptions){ .tolerance = 1e-9, .threads = 1 }, NULL,
-                        &p->err);
+    p->solution = solve(p->links, &problem, &(SolveOptions){ .tolerance = 1e-9, .threads = 1 },
+                        NULL, &p->err);
     assert_non_null(p->solution);
     array_free(emission);
     array_free(reflectance);
@@ -245,7 +245,7 @@ static void curved_lamps(void **state)
         add_shape(&p, lamps[i].kind, vec3(0, 0, 0), r, grey(&p, 0, 2));
         place_finish(&p, 3, 40);
         const Irradiance e = measure(&p, vec3(0, 0, h), vec3(0, 0, -1), 8192);
-        const double     exact = 2 * PI * r * r / (lamps[i].kind == SHAPE_DISC ? r * r + h * h : h * h);
+        const double exact = 2 * PI * r * r / (lamps[i].kind == SHAPE_DISC ? r * r + h * h : h * h);
         assert_true(fabs(e.direct.g - exact) < 4 * e.standard_error + 1e-4 * exact);
         assert_true(e.standard_error < 0.01 * exact);
         place_clear(&p);
@@ -376,7 +376,8 @@ static void furnace_looks_empty(void **state)
     Place p = { 0 };
     add_room(&p, grey(&p, 0.7, 1));
     place_finish(&p, 1, 150);
-    Image *image = picture(&p, &inside, (RenderOptions){ .width = 32, .height = 24, .samples = 16 });
+    Image *image =
+        picture(&p, &inside, (RenderOptions){ .width = 32, .height = 24, .samples = 16 });
     for (int i = 0; i < 32 * 24; i++) {
         for (int k = 0; k < 3; k++) {
             assert_true(fabs(image->radiance[3 * i + k] * 0.3 - 1) < 1e-3);
