@@ -56,6 +56,13 @@ bool solve_progressive(const SolveSystem *system, bool ambient, Solution *soluti
  * side not in use. Cheaper than room_hit. */
 uint32_t room_patch(const Room *room, const Hit *hit, Vec3 direction, double *s, double *t);
 
+/* Where a ray came to: PATCH_NONE at a side not in use. */
+typedef struct {
+    uint32_t patch;
+    bool     escaped;
+    double   s, t;
+} RayEnd;
+
 /* Seeds of what is sampled here differ by these, so that no two use the same points. */
 enum { SEED_ROWS = 0x726f7773, SEED_LAMPS = 0x6c616d70, SEED_LIGHTS = 0x6c697465,
        SEED_SIDES = 0x73696465 };
@@ -75,9 +82,9 @@ void lamp_table_clear(LampTable *lamps);
 /* The lamp that u in [0, 1) stands for; *rest in [0, 1) is where in the lamp's range u lies. */
 uint32_t lamp_table_choose(const LampTable *lamps, double u, double *rest);
 /* Solid-angle density, seen from a point at `distance`, of choosing the direction towards the point
- * (s, t) of a lamp; `cosine` > 0 is taken at the lamp. */
-double lamp_density(const Room *room, const LampTable *lamps, uint32_t patch, double s, double t,
-                    double distance, double cosine);
+ * of a lamp that a ray came to; `cosine` is taken at the lamp. */
+double lamp_density(const Room *room, const LampTable *lamps, const RayEnd *end, double distance,
+                    double cosine);
 
 /* --- casting one row -------------------------------------------------------------------------- */
 
@@ -91,13 +98,6 @@ typedef struct {
     PatchPoint at;
     uint32_t   good, bad;   /* rays that met a side in use or nothing, and the others */
 } CastPosition;
-
-/* Where a ray came to: PATCH_NONE at a side not in use. */
-typedef struct {
-    uint32_t patch;
-    bool     escaped;
-    double   s, t;
-} RayEnd;
 
 /* What one thread needs to cast rows, and the row it made last. */
 typedef struct {

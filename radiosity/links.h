@@ -50,9 +50,14 @@ typedef struct {
     uint64_t nonzeros, bytes;
 } LinksReport;
 
+/* Casts all rays.
+ * owns   the caller frees with links_destroy.
+ * fails  NULL; ERROR_MEMORY, also over max_bytes, with what it would take; ERROR_STOPPED. */
 Links *links_create(const Room *room, const LinksOptions *options, const Monitor *monitor,
                     Error *err);
+/* Frees; NULL is allowed. Always returns NULL. */
 Links *links_destroy(Links *links);
+/* Measures the links as they are. */
 void   links_report(const Links *links, LinksReport *report);
 /* Invariants: rows in order, sources rising and < count, 0 <= F <= 1, escape in [0, 1]. */
 bool   links_check(const Links *links);

@@ -119,8 +119,7 @@ static double hemisphere_weight(const RowCast *row, const Room *room, const Lamp
     const Vec3 n = surfaces_normal(room->surfaces, hit->primitive, hit->u, hit->v);
     const double cosine = fabs(vec3_dot(n, ray_direction(&row->ray[k])));
     const double here = rays * row->cosine[k] / M_PI;
-    const double there = row->lamp_rays * lamp_density(room, lamps, end->patch, end->s, end->t,
-                                                       hit->t, cosine);
+    const double there = row->lamp_rays * lamp_density(room, lamps, end, hit->t, cosine);
     return here * here / (here * here + there * there);
 }
 

@@ -88,36 +88,52 @@ static double density_at(const Room *room, const LampTable *lamps, uint32_t patc
     return area_density * distance * distance / cosine;
 }
 
-double lamp_density(const Room *room, const LampTable *lamps, uint32_t patch, double s, double t,
-                    double distance, double cosine)
+double lamp_density(const Room *room, const LampTable *lamps, const RayEnd *end, double distance,
+                    double cosine)
 {
     if (!(cosine > 0))
         return INFINITY; /* a grazing hit: the lamp's own samples see it as well as none */
-    return density_at(room, lamps, patch, point_weight(room, patch, s, t), distance, cosine);
+    const double weight = point_weight(room, end->patch, end->s, end->t);
+    return density_at(room, lamps, end->patch, weight, distance, cosine);
 }
 
-/* One sample: the visibility ray, and what it carries when nothing is in the way; 0: turned away.
- * u chooses the lamp and, by what the choice leaves of it, the place along it; v the place
- * across. */
-static double aim(RowCast *row, const Room *room, const LampTable *lamps, const PatchPoint *from,
-                  double u, double v, double rays, uint32_t *lamp, Ray *ray)
+/* What all samples of a row have in common. */
+typedef struct {
+    const Room      *room;
+    const LampTable *lamps;
+    double           rays, lamp_rays; /* of the patch's hemisphere; to lamps */
+} LampAim;
+
+typedef struct {
+    uint32_t lamp;
+    double   share;  /* what it carries when nothing is in the way; 0: turned away, no ray */
+    Ray      ray;
+} LampSample;
+
+/* One sample with its visibility ray. u chooses the lamp and, by what the choice leaves of it, the
+ * place along it; v the place across. */
+static LampSample aim(const LampAim *a, const PatchPoint *from, double u, double v)
 {
+    const Room *room = a->room;
     PatchPoint to;
+    LampSample sample = { .share = 0 };
     double rest;
-    *lamp = lamp_table_choose(lamps, u, &rest);
-    patches_point(room->patches, room->surfaces, *lamp, rest, v, &to);
+    sample.lamp = lamp_table_choose(a->lamps, u, &rest);
+    patches_point(room->patches, room->surfaces, sample.lamp, rest, v, &to);
     const Vec3 p = from->point.point, q = to.point.point;
     const Vec3 way = vec3_sub(q, p);
     const double distance = vec3_length(way);
     const double here = vec3_dot(way, from->point.normal);
     const double there = -vec3_dot(way, to.point.normal);
     if (!(here > 0 && there > 0 && distance > 2 * room->offset && to.weight > 0))
-        return 0;
-    *ray = ray_between(p, from->point.normal, q, to.point.normal, room->offset);
+        return sample;
     const double own = here / distance / M_PI;
-    const double density = density_at(room, lamps, *lamp, to.weight, distance, there / distance);
-    const double by_rays = rays * own, by_lamps = row->lamp_rays * density;
-    return own * by_lamps / (by_rays * by_rays + by_lamps * by_lamps);
+    const double by_rays = a->rays * own;
+    const double by_lamps = a->lamp_rays * density_at(room, a->lamps, sample.lamp, to.weight,
+                                                      distance, there / distance);
+    sample.ray = ray_between(p, from->point.normal, q, to.point.normal, room->offset);
+    sample.share = own * by_lamps / (by_rays * by_rays + by_lamps * by_lamps);
+    return sample;
 }
 
 /* Place and lamp are the four coordinates of one net, so that they are spread together. Only where
@@ -126,6 +142,7 @@ void row_cast_lamps(RowCast *row, const Room *room, const LampTable *lamps, uint
                     uint32_t seed, double hemisphere_rays)
 {
     assert(row->valid_count > 0 && lamps->count > 0);
+    const LampAim common = { room, lamps, hemisphere_rays, row->lamp_rays };
     const bool whole = row->valid_count == row->positions;
     const uint32_t first = row->keys;
     uint32_t aimed = 0;
@@ -138,13 +155,11 @@ void row_cast_lamps(RowCast *row, const Room *room, const LampTable *lamps, uint
             patches_point(room->patches, room->surfaces, patch, x[0], x[1], &from);
         else
             from = row->position[row->valid[(uint64_t)m * row->valid_count / row->lamp_rays]].at;
-        uint32_t lamp;
         weights += from.weight;
-        const double share = aim(row, room, lamps, &from, x[2], x[3], hemisphere_rays, &lamp,
-                                 &row->ray[aimed]);
-        if (share > 0) {
-            row_cast_add(row, lamp, share * from.weight);
-            aimed++;
+        const LampSample sample = aim(&common, &from, x[2], x[3]);
+        if (sample.share > 0) {
+            row_cast_add(row, sample.lamp, sample.share * from.weight);
+            row->ray[aimed++] = sample.ray;
         }
     }
     bvh_blocked_many(room->bvh, row->ray, row->blocked, aimed);

@@ -52,10 +52,13 @@ typedef struct {
  * solution with converged false. */
 Solution *solve(const Links *links, const SolveProblem *problem, const SolveOptions *options,
                 const Monitor *monitor, Error *err);
+/* Frees; NULL is allowed. Always returns NULL. */
 Solution *solution_destroy(Solution *solution);
 
+/* "gauss-seidel", "jacobi", "progressive". */
 const char *solver_name(Solver solver);
-bool        solver_from_name(const char *name, Solver *solver);
+/* The other way; false when there is no solver of that name. */
+bool solver_from_name(const char *name, Solver *solver);
 
 /* Power bookkeeping per band; the caller adds lights' flux and what of it escapes directly. */
 typedef struct {
