@@ -23,7 +23,8 @@ static bool picture_names(const Options *options, Names *names, Error *err)
         return error_set(err, ERROR_USAGE, "-o %s: a picture's name ends in .exr or .png", path);
     return output_name(path, ".exr", names->exr, sizeof names->exr, err) &&
            output_name(path, ".png", names->png, sizeof names->png, err) &&
-           output_probe(names->exr, err) && output_probe(names->png, err);
+           output_probe(names->exr, options, err) &&
+           output_probe(names->png, options, err);
 }
 
 /* Bytes of all layers, and as much again while they are packed for the file. */

@@ -50,8 +50,9 @@ static int run(Session *session)
     Pipeline pipeline = { .session = session };
     Error err = { 0 }, summary_error = { 0 };
     int code = 0;
-    output_probe(session->options.json, &err);
-    output_probe(session->options.output, &err);
+    session->holding = true;
+    output_probe(session->options.json, &session->options, &err);
+    output_probe(session->options.output, &session->options, &err);
     progress_begin(&session->printer);
     if (!error_is_set(&err))
         command_run(session->options.command)(&pipeline, &code, &err);
@@ -60,6 +61,8 @@ static int run(Session *session)
     if (error_is_set(&err))
         code = session_stopped(session) && err.code == ERROR_FAILED ? ERROR_STOPPED
                                                                     : (int)err.code;
+    if (code != ERROR_INPUT)
+        session_release(session);
     if (!session->told && !summary_write(&pipeline, code, &err, &summary_error) &&
         !error_is_set(&err)) {
         err = summary_error;

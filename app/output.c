@@ -10,15 +10,26 @@
 
 #include "base/file.h"
 
-bool output_probe(const char *path, Error *err)
+static bool same_file(const struct stat *a, const char *path)
+{
+    struct stat b;
+    return path != NULL && stat(path, &b) == 0 && a->st_dev == b.st_dev && a->st_ino == b.st_ino;
+}
+
+bool output_probe(const char *path, const Options *options, Error *err)
 {
     struct stat info;
+    assert(options != NULL);
     if (error_is_set(err))
         return false;
     if (path == NULL || strcmp(path, "-") == 0)
         return true;
     if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
         return error_at(err, ERROR_FAILED, path, 0, "is a folder, not a file to write");
+    if (stat(path, &info) == 0 && S_ISREG(info.st_mode) &&
+        (same_file(&info, options->scene) || same_file(&info, options->other) ||
+         same_file(&info, options->points)))
+        return error_at(err, ERROR_USAGE, path, 0, "is read by this command; write elsewhere");
     OutFile *out = outfile_open(path, err);
     outfile_discard(out);
     return out != NULL;

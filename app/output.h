@@ -6,10 +6,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "app/options.h"
 #include "base/error.h"
 
-/* Tries to make a file beside `path`, and removes it. fails  ERROR_FAILED and why. */
-bool output_probe(const char *path, Error *err);
+/* Tries to make a file beside `path`, and removes it. NULL and "-" are fine.
+ * fails  ERROR_FAILED and why; ERROR_USAGE when it is a file that the command reads. */
+bool output_probe(const char *path, const Options *options, Error *err);
 
 /* `path` with its ending (what follows the last dot of the last part) replaced. `ending` has its
  * dot. fails  ERROR_USAGE when the result does not fit. */

@@ -160,8 +160,10 @@ static bool add_light(Pipeline *pipeline, Error *err)
 bool pipeline_mesh(Pipeline *pipeline, Error *err)
 {
     assert(pipeline->scene != NULL);
-    return build_surfaces(pipeline, err) && build_bvh(pipeline, err) && add_light(pipeline, err) &&
-           pipeline_fits(pipeline, 0, pipeline->session->options.scene, err);
+    if (!build_surfaces(pipeline, err) || !build_bvh(pipeline, err) || !add_light(pipeline, err))
+        return false;
+    session_release(pipeline->session);
+    return pipeline_fits(pipeline, 0, pipeline->session->options.scene, err);
 }
 
 /* --- sides and patches ------------------------------------------------------------------------ */

@@ -10,6 +10,12 @@
 #include "app/signals.h"
 #include "base/array.h"
 
+static void print_warning(Session *session, const char *code, const char *where, const char *text)
+{
+    progress_clear(&session->printer);
+    fprintf(stderr, "isolux: warning: %s%s%s [%s]\n", where, *where != '\0' ? ": " : "", text, code);
+}
+
 /* Keeps the warning for the summary and prints it; one that is said twice is kept once. */
 static void take_warning(void *user, const char *code, const char *where, const char *text)
 {
@@ -23,22 +29,31 @@ static void take_warning(void *user, const char *code, const char *where, const 
             strcmp(session->warnings[i].where, where) == 0 &&
             strcmp(session->warnings[i].text, text) == 0)
             return;
-    if (!session->quiet) {
-        progress_clear(&session->printer);
-        fprintf(stderr, "isolux: warning: %s%s%s [%s]\n", where, *where != '\0' ? ": " : "", text,
-                code);
-    }
+    const bool now = !session->quiet && !session->holding;
+    if (now)
+        print_warning(session, code, where, text);
     if (!array_reserve((void **)&session->warnings, &session->warning_capacity,
                        session->warning_count + 1, sizeof *session->warnings, "warnings", &err))
         return; /* it was printed at least */
     Warning *warning = &session->warnings[session->warning_count++];
     *warning = (Warning){ .code = array_string(code, &err), .where = array_string(where, &err),
-                          .text = array_string(text, &err) };
+                          .text = array_string(text, &err), .printed = now };
     if (error_is_set(&err)) {
         session->warning_count--;
         array_free(warning->code);
         array_free(warning->where);
         array_free(warning->text);
+    }
+}
+
+void session_release(Session *session)
+{
+    session->holding = false;
+    for (size_t i = 0; i < session->warning_count; i++) {
+        Warning *warning = &session->warnings[i];
+        if (!warning->printed && !session->quiet)
+            print_warning(session, warning->code, warning->where, warning->text);
+        warning->printed = true;
     }
 }
 

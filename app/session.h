@@ -13,6 +13,7 @@
 
 typedef struct {
     char *code, *where, *text; /* owned */
+    bool  printed;
 } Warning;
 
 typedef struct Session {
@@ -25,6 +26,8 @@ typedef struct Session {
     double          deadline;  /* clock of progress_now; INFINITY: none */
     bool            hurry;     /* a stop was seen: finish roughly, do not stop again */
     bool            quiet;     /* keep warnings, print none */
+    bool            holding;   /* keep warnings until session_release: a file that turns out to be
+                                  unreadable shall give one line, not ten */
     bool            told;      /* the command wrote its own summary */
 } Session;
 
@@ -35,6 +38,9 @@ void session_clear(Session *session);
 bool session_stopped(const Session *session);
 /* "interrupted" or "time limit reached". */
 const char *session_stop_reason(void);
+
+/* Prints the warnings held back so far, and later ones at once. */
+void session_release(Session *session);
 
 /* A line on standard error, unless --progress none. */
 void session_say(Session *session, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -87,4 +87,12 @@ done
 ok "a tolerance that is missed" exits 4 solve "$cube" "${fast[@]}" --max-iterations 1 \
     --tolerance 1e-9
 ok "--by patch without a name" fails 2 'needs a name' factors "$cube" --by patch
+ok "compare with itself" exits 0 compare "$DIR/1.exr" "$DIR/1.exr" --json "$DIR/same.json"
+ok "no error" grep -q '"all": 0.0' "$DIR/same.json"
+ok "compare with the reference" exits 0 compare tests/data/references/cornell-classic.exr \
+    tests/data/references/cornell-classic.exr --json -
+ok "mean luminance known" grep -q '"mean": 0.06701' "$DIR/out"
+ok "compare pictures of two sizes" fails 3 'not the same picture' \
+    compare tests/data/references/cornell-classic.exr "$DIR/1.exr"
+
 finish

@@ -18,6 +18,7 @@ ok "unknown option with a guess" fails 2 'did you mean --quality' render "$cube"
 ok "unknown option without a guess" fails 2 "unknown option '--checkpoint'" \
     render "$cube" --checkpoint 5
 ok "option of another command" fails 2 'not an option of check' check "$cube" --spp 4
+ok "compare with one picture" fails 2 "two pictures" compare a.exr
 ok "no scene" fails 2 'which scene' render
 ok "two scenes" fails 2 'one scene' render a.obj b.obj
 ok "not a number" fails 2 "'12x' is not a number" solve "$cube" --rays 12x
@@ -47,7 +48,10 @@ ok "name=value" exits 0 render --print-config --quality=draft --rays=33
 ok "name=value is taken" grep -qx 'rays 33' "$DIR/out"
 
 ok "folder missing" fails 1 'no/such' solve "$cube" -o "$DIR/no/such/x.ply" "${fast[@]}"
+ln -s cube.obj "$DIR/link.exr"
 ok "a folder as result" fails 1 'folder' solve "$cube" -o "$DIR" "${fast[@]}"
+ok "a mesh with a strange name" fails 2 "ends in .ply" solve "$cube" -o "$DIR/x.obj" "${fast[@]}"
+ok "the scene as result" fails 2 "read by this command" render "$cube" -o "$DIR/link.exr" "${fast[@]}"
 ok "JSON nowhere" fails 1 'no/such' solve "$cube" --json "$DIR/no/such/x.json" "${fast[@]}"
 if [ "$(id -u)" != 0 ]; then
     mkdir "$DIR/locked" && chmod 555 "$DIR/locked"
