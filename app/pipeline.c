@@ -194,11 +194,18 @@ static void set_sides(Pipeline *pipeline, uint8_t bits)
     const Surfaces *s = pipeline->surfaces;
     const EmitSide emit = (EmitSide)pipeline->session->options.emit;
     const uint8_t lit = emit == EMIT_BOTH ? 3 : emit == EMIT_BACK ? 2 : 1;
+    const Material *materials = pipeline->scene->polygons.materials;
+    pipeline->sides_given = true;
     for (uint32_t i = 0; i < s->count; i++) {
-        const Material *m = &pipeline->scene->polygons.materials[s->surface[i].material];
-        pipeline->sides[i] = bits;
+        const Surface *f = &s->surface[i];
+        const Material *m = &materials[f->material];
+        /* Of two faces back to back both sides are fronts. */
+        const bool plate = f->back != SURFACE_NONE;
+        pipeline->sides[i] = plate ? 3 : bits;
         if (rgb_max(m->emission) > 0)
-            pipeline->emitting[i] = bits & (m->emits_both ? 3 : lit);
+            pipeline->emitting[i] = (uint8_t)(bits & (plate ? 1 : m->emits_both ? 3 : lit));
+        if (plate && rgb_max(materials[f->back_material].emission) > 0)
+            pipeline->emitting[i] |= 2;
     }
     *(bits == 1 ? &pipeline->sides_report.front : &pipeline->sides_report.both) = s->count;
 }
@@ -243,6 +250,7 @@ static void set_room(Pipeline *pipeline)
         .light_count = pipeline->scene->light_count,
         .sides = pipeline->sides,
         .emitting = pipeline->emitting,
+        .sides_given = pipeline->sides_given,
         .offset = ray_offset(pipeline->surfaces->largest_coordinate),
     };
 }

@@ -6,6 +6,7 @@
 #ifndef RADIOSITY_ROOM_H
 #define RADIOSITY_ROOM_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -27,6 +28,9 @@ typedef struct {
     size_t          light_count;
     const uint8_t  *sides;          /* [surfaces->count]  bit 0/1: front/back in use */
     const uint8_t  *emitting;       /* [surfaces->count]  bit 0/1: front/back emits */
+    bool            sides_given;    /* sides were chosen by hand, not found by sight: a ray that
+                                       meets one that is not in use is lost, and tells nothing about
+                                       where it came from */
     double          offset;         /* ray_offset(surfaces->largest_coordinate) */
 } Room;
 
