@@ -3,6 +3,7 @@
 #include "radiosity/direct.h"
 
 #include <assert.h>
+#include <float.h>
 #include <math.h>
 
 #include "base/array.h"
@@ -152,7 +153,38 @@ typedef struct {
     double sent, arrived; /* luminance of power */
 } DirectTotals;
 
-/* Adds one light's share to the result, scaled so that it arrives whole when that is wanted. */
+/* Puts what is missing of (or too much in) the light that arrived at patches in proportion to how
+ * much their estimates can be off: light varies over a patch by about its area over the squared
+ * distance, so those near the light answer for nearly all. */
+static void spread_gap(const DirectPass *d, double arrived, double gap)
+{
+    const Links *links = d->links;
+    double near = 0;
+    for (uint32_t pass = 0; pass < 2; pass++)
+        for (uint32_t i = 0; i < links->count; i++) {
+            const Vec3 way = vec3_sub(d->light->position, d->room->patches->centre[i]);
+            const double weight = fmin(1, links->area[i] / fmax(vec3_dot(way, way), DBL_MIN));
+            if (pass == 0)
+                near += links->area[i] * d->share[i] * weight;
+            else if (gap > -near)
+                d->share[i] *= 1 + gap * weight / near;
+            else
+                d->share[i] *= 1 + gap / arrived; /* more is too much than the near ones have */
+        }
+}
+
+/* Makes arrived + escaped = sent, all as flux per intensity; returns the share that escapes. In the
+ * open what escapes is the rest; where nothing does, patches are corrected. */
+static double balance_light(const DirectPass *d, double whole, double arrived, double escaped)
+{
+    if (escaped > 0 && arrived <= whole)
+        return 1 - arrived / whole;
+    if (arrived > 0)
+        spread_gap(d, arrived, whole - arrived);
+    return 0;
+}
+
+/* Adds one light's share to the result, corrected so that it arrives whole when that is wanted. */
 static void add_light(const DirectPass *d, bool balance, Direct *direct, DirectTotals *totals)
 {
     const Rgb flux = light_flux(d->light), intensity = d->light->intensity;
@@ -161,7 +193,7 @@ static void add_light(const DirectPass *d, bool balance, Direct *direct, DirectT
         sent += d->sent[k];
         lost += d->lost[k];
     }
-    const double escaped = sent > 0 ? lost / sent : 0;
+    double escaped = sent > 0 ? lost / sent : 0;
     for (uint32_t i = 0; i < d->links->count; i++)
         arrived += d->links->area[i] * d->share[i];
     /* Flux per intensity; the same in all bands. */
@@ -169,12 +201,13 @@ static void add_light(const DirectPass *d, bool balance, Direct *direct, DirectT
     const double whole = brightest > 0 ? rgb_max(flux) / brightest : 0;
     totals->sent += rgb_luminance(flux);
     totals->arrived += rgb_luminance(intensity) * arrived + rgb_luminance(flux) * escaped;
-    const double scale = balance && arrived > 0 ? whole * (1 - escaped) / arrived : 1;
+    if (balance && whole > 0)
+        escaped = balance_light(d, whole, arrived, escaped);
     for (uint32_t i = 0; i < d->links->count; i++) {
         double *out = &direct->irradiance[(size_t)i * ROOM_BANDS];
-        out[0] += intensity.r * d->share[i] * scale;
-        out[1] += intensity.g * d->share[i] * scale;
-        out[2] += intensity.b * d->share[i] * scale;
+        out[0] += intensity.r * d->share[i];
+        out[1] += intensity.g * d->share[i];
+        out[2] += intensity.b * d->share[i];
     }
     direct->flux = rgb_add(direct->flux, flux);
     direct->escaped = rgb_mad(direct->escaped, escaped, flux);

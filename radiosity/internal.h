@@ -198,6 +198,8 @@ void reach_add(Reach *reach, Place place);
 void reach_add_side(Reach *reach, uint32_t side);
 /* What can be seen from a point in the air, by `rays` rays all round. */
 void reach_look(Reach *reach, Vec3 eye, uint32_t rays, uint32_t seed);
+/* The same the other way round: sides that an eye far off hits too rarely look for it. */
+void reach_aim(Reach *reach, Vec3 eye);
 /* Follows sight from all places reached until nothing new turns up.
  * fails  false and ERROR_STOPPED. */
 bool reach_spread(Reach *reach, Error *err);

@@ -12,6 +12,9 @@
 /* Rays that all eyes and lights share, and how many each has at least and at most. */
 enum { LOOK_RAYS = 1 << 17, LOOK_MIN = 128, LOOK_MAX = 8192 };
 
+/* Surfaces times eyes up to which each surface looks for each eye: a second's work. */
+static const size_t AIM_MOST = 1 << 18;
+
 static void start(Reach *reach, const Light *lights, size_t light_count,
                   const SidesOptions *options, const uint8_t *emitting)
 {
@@ -29,6 +32,8 @@ static void start(Reach *reach, const Light *lights, size_t light_count,
                                                 : lights[k - options->eye_count].position;
         reach_look(reach, eye, rays,
                    sampling_seed(options->seed, (uint32_t)k, SEED_SIDES, UINT32_MAX));
+        if (eyes * reach->surfaces->count <= AIM_MOST)
+            reach_aim(reach, eye);
     }
 }
 

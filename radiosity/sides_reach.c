@@ -330,6 +330,75 @@ static Place inner_place(const Reach *reach, uint32_t side, double a, double b)
                     (float)(over_t + (1 - 2 * over_t) * t) };
 }
 
+/* --- looking for an eye ----------------------------------------------------------------------- */
+
+/* Places of a side from which an eye is looked for. */
+enum { AIMS = 8 };
+
+typedef struct {
+    Reach   *reach;
+    Vec3     eye;
+    uint32_t first; /* side of found[0] */
+} Aim;
+
+static bool is_seen(const Reach *reach, Place place, Vec3 eye)
+{
+    const SurfacePoint at = place_point(reach, place);
+    return vec3_dot(vec3_sub(eye, at.point), at.normal) > reach->offset &&
+           is_free(reach, place_start(reach, place), eye);
+}
+
+static void aim_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
+{
+    const Aim *aim = context;
+    Reach *reach = aim->reach;
+    (void)worker;
+    for (uint32_t k = begin; k < end; k++) {
+        const uint32_t side = aim->first + k;
+        reach->found[k].side = SIDE_NONE;
+        for (uint32_t r = 0; r < AIMS && !is_used(reach, side); r++) {
+            float x[2];
+            sampling_sobol2(r, sampling_seed(reach->seed, side, SEED_SIDES, UINT32_MAX), x);
+            const Place place = inner_place(reach, side, x[0], x[1]);
+            if (is_seen(reach, place, aim->eye)) {
+                reach->found[k] = place;
+                break;
+            }
+        }
+    }
+}
+
+/* One place in each cell of a side, where the eye sees it. */
+static void add_seen(Reach *reach, uint32_t side, Vec3 eye)
+{
+    const uint32_t grid = reach->grid[side / 2];
+    const bool triangle = reach->surfaces->surface[side / 2].kind == SURFACE_TRIANGLE;
+    for (uint32_t j = 0; j < grid; j++)
+        for (uint32_t i = 0; i < grid; i++) {
+            const double s = (i + 1.0 / 3) / grid, t = (j + 1.0 / 3) / grid;
+            const Place place = { side, (float)s, (float)t };
+            if ((!triangle || s + t < 1) && is_seen(reach, place, eye))
+                reach_add(reach, place);
+        }
+}
+
+void reach_aim(Reach *reach, Vec3 eye)
+{
+    const uint32_t sides = 2 * reach->surfaces->count;
+    Aim aim = { reach, eye, 0 };
+    for (; aim.first < sides; aim.first += BLOCK) {
+        const uint32_t count = sides - aim.first < BLOCK ? sides - aim.first : BLOCK;
+        parallel_for(count, SIDE_CHUNK, reach->threads, aim_chunk, &aim, NULL, NULL);
+        for (uint32_t k = 0; k < count; k++) {
+            reach_add(reach, reach->found[k]);
+            if (reach->found[k].side != SIDE_NONE)
+                add_seen(reach, aim.first + k, eye);
+        }
+    }
+}
+
+/* --- looking back from what is left ----------------------------------------------------------- */
+
 /* How many of the sides it saw in vain a side remembers, to know when it pays to look again. */
 enum { MET = 2 };
 

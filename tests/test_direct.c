@@ -178,9 +178,10 @@ static void test_hidden(void **state)
     TestRoom r = { 0 };
     const uint32_t m = room_material(&r, 0.5, 0);
     room_box(&r, vec3(0, 0, 0), vec3(1, 1, 1), BOX_Z0, true, m, "");
-    room_box(&r, vec3(0.33, 0.33, 0), vec3(0.67, 0.67, 0.001), BOX_ALL, false, m, "b-");
+    room_box(&r, vec3(0.33, 0.33, 0), vec3(0.67, 0.67, 0.0001), BOX_ALL, false, m, "b-");
     room_finish(&r, 0.1, &(SidesOptions){ 0 }, &light, 1, NULL);
     Direct direct = direct_of(&r, false, 0);
+    assert_true(r.patches->count > 100); /* the light is far off, but it is seen */
     for (uint32_t i = 0; i < r.patches->count; i++) {
         const Vec3 c = r.patches->centre[i];
         if (r.patches->group[i] != room_group(&r, "z0") || r.patches->side[i] != 0)
@@ -191,6 +192,54 @@ static void test_hidden(void **state)
          * 1e-4. */
         assert_true(under ? h == 0 : fabs(h - 1) < 2e-3);
     }
+    array_free(direct.irradiance);
+    room_clear(&r);
+}
+
+/* A panel of one square far below a light: H = 1000 / 30^2 times the mean of cos^3 over it, which is
+ * 1 less 1.5 (1/6) / 30^2; what escapes is the rest, although no ray of the light may find it. */
+static void test_far(void **state)
+{
+    (void)state;
+    const Light light = { .kind = LIGHT_POINT, .position = { 0.5, 0.5, 30 },
+                          .intensity = { 1000, 1000, 1000 } };
+    for (uint32_t seed = 0; seed < 4; seed++) {
+        TestRoom r = { 0 };
+        room_box(&r, vec3(0, 0, 0), vec3(1, 1, 1), BOX_Z0, true, room_material(&r, 0.5, 0), "");
+        room_finish(&r, 0.5, &(SidesOptions){ .seed = seed }, &light, 1, NULL);
+        Direct direct = direct_of(&r, true, seed);
+        double arrived = 0;
+        for (uint32_t i = 0; i < r.patches->count; i++)
+            arrived += direct.irradiance[3 * (size_t)i] * r.patches->area[i];
+        assert_true(fabs(arrived / (1000.0 / 900 * (1 - 0.25 / 900)) - 1) < 1e-4);
+        assert_true(fabs((arrived + direct.escaped.r) / direct.flux.r - 1) < 1e-12);
+        array_free(direct.irradiance);
+        room_clear(&r);
+    }
+}
+
+/* A light 2 cm under the ceiling of a closed cube: the floor has its closed form all the same. */
+static void test_near(void **state)
+{
+    (void)state;
+    const Light light = { .kind = LIGHT_POINT, .position = { 2, 2, 3.98 },
+                          .intensity = { 100, 100, 100 } };
+    TestRoom r = { 0 };
+    room_box(&r, vec3(0, 0, 0), vec3(4, 4, 4), BOX_ALL, true, room_material(&r, 0.5, 0), "");
+    room_finish(&r, 0.25, &(SidesOptions){ 0 }, &light, 1, NULL);
+    Direct direct = direct_of(&r, true, 0);
+    double arrived = 0;
+    for (uint32_t i = 0; i < r.patches->count; i++) {
+        const Vec3 c = r.patches->centre[i];
+        const double h = direct.irradiance[3 * (size_t)i];
+        arrived += h * r.patches->area[i];
+        if (r.patches->group[i] != room_group(&r, "z0"))
+            continue;
+        const double d2 = (c.x - 2) * (c.x - 2) + (c.y - 2) * (c.y - 2) + 3.98 * 3.98;
+        /* The mean over a patch differs from its centre by less than (0.25 / 3.98)^2 / 4. */
+        assert_true(fabs(h / (100 * 3.98 / (d2 * sqrt(d2))) - 1) < 2e-3);
+    }
+    assert_true(fabs(arrived / direct.flux.r - 1) < 1e-9);
     array_free(direct.irradiance);
     room_clear(&r);
 }
@@ -240,7 +289,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_cie_5_2), cmocka_unit_test(test_cie_5_4),
         cmocka_unit_test(test_opening), cmocka_unit_test(test_spot_shadow),
-        cmocka_unit_test(test_hidden),  cmocka_unit_test(test_none),
+        cmocka_unit_test(test_hidden),  cmocka_unit_test(test_far), cmocka_unit_test(test_near),
+        cmocka_unit_test(test_none),
         cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
