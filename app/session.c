@@ -13,7 +13,8 @@
 static void print_warning(Session *session, const char *code, const char *where, const char *text)
 {
     progress_clear(&session->printer);
-    fprintf(stderr, "isolux: warning: %s%s%s [%s]\n", where, *where != '\0' ? ": " : "", text, code);
+    fprintf(stderr, "isolux: warning: %s%s%s [%s]\n", where, *where != '\0' ? ": " : "", text,
+            code);
 }
 
 /* Keeps the warning for the summary and prints it; one that is said twice is kept once. */

@@ -22,8 +22,8 @@ char *file_read(const char *path, size_t limit, size_t *size, Error *err);
 /* A file being written. `path` "-" is standard output, without temporary file. */
 typedef struct OutFile OutFile;
 
-/* Nothing stands at `path` itself, and what stood there stays, until outfile_commit. A symbolic link
- * is followed; a device or pipe is written in place.
+/* Nothing stands at `path` itself, and what stood there stays, until outfile_commit. A symbolic
+ * link is followed; a device or pipe is written in place.
  * fails  NULL and ERROR_FAILED, the text says why. */
 OutFile *outfile_open(const char *path, Error *err);
 /* Where to write. It is closed by commit and discard alone. */

@@ -22,7 +22,7 @@ typedef struct {
 
 typedef struct Monitor {
     void *user;
-    /* Something a user should know: a stable code ("no-emitter"), a place (may be ""), a sentence. */
+    /* Something a user should know: a stable code ("no-emitter"), a place or "", a sentence. */
     void (*warn)(void *user, const char *code, const char *where, const char *text);
     void (*progress)(void *user, const Progress *progress);
     bool (*stop)(void *user); /* true: finish the chunk and return */

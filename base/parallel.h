@@ -15,7 +15,7 @@
 
 #include "base/monitor.h"
 
-/* begin..end-1 of the range; `worker` < parallel_threads(...) names the thread, for scratch space. */
+/* begin..end-1 of the range; `worker` < parallel_threads(...) names the thread: scratch space. */
 typedef void (*ParallelBody)(void *context, uint32_t begin, uint32_t end, unsigned worker);
 
 /* How many threads a wish stands for: 0 is one per core that this process may use. At most 1024. */
@@ -24,7 +24,7 @@ unsigned parallel_threads(unsigned wished);
 /* Runs body over 0..count-1 in chunks of `chunk` > 0. When `base` is not NULL, the calling thread
  * reports *base with `done` scaled by the share of chunks finished, several times a second; rays is
  * left as in *base.
- * Returns true when all was done, false when the monitor asked to stop (chunks begun are finished). */
+ * Returns true when all was done, false when the monitor said stop (chunks begun are finished). */
 bool parallel_for(uint32_t count, uint32_t chunk, unsigned threads, ParallelBody body,
                   void *context, const Monitor *monitor, const Progress *base);
 

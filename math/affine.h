@@ -31,7 +31,7 @@ Affine affine_then(const Affine *first, const Affine *second);
 /* Degrees, right-handed, about the x, y or z axis (0, 1, 2). */
 Affine affine_rotation(int axis, double degrees);
 double affine_determinant(const Affine *a);
-/* The inverse; false, and *out untouched, when the map has none (or a number that is not finite). */
+/* The inverse; false, and *out untouched, when the map has none (or one that is not finite). */
 bool affine_invert(const Affine *a, Affine *out);
 /* Transforms a normal: M^-T n, not normalised, given the inverse of the map. */
 static inline Vec3 affine_normal(const Affine *inverse, Vec3 n)

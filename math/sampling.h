@@ -2,8 +2,8 @@
 /* math/sampling.h -- scrambled low-discrepancy points and the maps that use them.
  *
  * Everything is a function of (index, seed): no state, so the same numbers whatever thread asks.
- * Method   Sobol' points, direction numbers by Joe and Kuo [joe08], nested uniform (Owen) scrambling
- *          by hashing [laine11], [burley20]; seeds are mixed by Philox4x32 [salmon11].
+ * Method   Sobol' points, direction numbers by Joe and Kuo [joe08], nested uniform (Owen)
+ *          scrambling by hashing [laine11], [burley20]; seeds are mixed by Philox4x32 [salmon11].
  */
 #ifndef MATH_SAMPLING_H
 #define MATH_SAMPLING_H

@@ -13,9 +13,9 @@
  *
  * Normals point out of the solid (disc: along +z of its space), also under mirroring maps.
  * Units    scene units. Rays are double: quadrics and quartics lose too much in float.
- * Method   rays are moved to the point nearest to the centre, so that coefficients stay small; torus:
- *          the quartic's turning points bracket its roots, Newton with bisection finds them on the
- *          distance to the ring, which does not cancel for thin tubes.
+ * Method   rays are moved to the point nearest to the centre, so that coefficients stay small;
+ *          torus: the quartic's turning points bracket its roots, Newton with bisection finds them
+ *          on the distance to the ring, which does not cancel for thin tubes.
  */
 #ifndef MATH_SHAPE_H
 #define MATH_SHAPE_H

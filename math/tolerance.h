@@ -31,7 +31,7 @@ static inline double ray_offset(double largest_coordinate)
 
 /* Two positions no further apart than this mean one point, when the faces they belong to reach out
  * to `largest` (max |coordinate|): files hold floats, a coordinate is off by half an ulp; an object
- * placed by a transform in float adds three products and three sums, so 7 half-ulps; 8 are taken. */
+ * placed by a transform in float adds three products and three sums, so 7 half-ulps; 8 serve. */
 static inline double position_tolerance(double largest)
 {
     return largest * (double)rounding_bound_float(8);

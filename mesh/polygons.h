@@ -22,7 +22,7 @@ typedef struct {
     Rgb    reflectance;    /* diffuse, 0 <= rho < 1 per band */
     Rgb    emission;       /* emitted radiance L, cd/m2; exitance is pi L */
     Rgb    specular;       /* mirror-like or glossy reflectance, 0..1 */
-    double exponent;       /* Phong exponent of the specular part; INFINITY: ideal mirror; 0: none given */
+    double exponent;       /* Phong exponent of the specular part; INFINITY: mirror; 0: none */
     Rgb    transmittance;  /* of a clear pane or body per crossing, 0: opaque */
     Rgb    scattered;      /* diffuse transmittance, kept as read; no solver uses it yet */
     double ior;            /* index of refraction, 1: none */
@@ -38,7 +38,7 @@ typedef struct {
 typedef struct {
     /* polygons */
     Vec3     *position;      /* [vertex_count] */
-    uint32_t *first;         /* [polygon_count + 1]  corners of polygon i: first[i] .. first[i+1]-1 */
+    uint32_t *first;         /* [polygon_count + 1]  polygon i has first[i] .. first[i+1]-1 */
     uint32_t *corner;        /* [first[polygon_count]]  index into position */
     uint32_t *material;      /* [polygon_count]  index into materials */
     uint32_t *group;         /* [polygon_count]  index into group_name */
@@ -52,7 +52,7 @@ typedef struct {
     size_t    material_count, material_capacity;
     char    **group_name;    /* [group_count]  unique names */
     size_t    group_count, group_capacity;
-    uint32_t *group_slot;    /* [group_slots]  hash table of the first group_hashed names, 0: free */
+    uint32_t *group_slot;    /* [group_slots]  hash table of group_hashed names, 0: free */
     size_t    group_slots, group_hashed;
 } Polygons;
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Typed values out of JSON, with the place in each complaint. Reads JSON with jansson; app/json.c writes with it. */
+/* Typed values out of JSON, with the place in each complaint. jansson reads here; app/json.c writes
+ * with it. */
 #include "scenes/gltf.h"
 
 #include <assert.h>

@@ -18,7 +18,7 @@ Scene *scene_parse_msd(const char *file, const char *text, size_t size,
 void scene_limit_material(Material *material, const char *file, const SceneReadOptions *options);
 
 /* Reads a foreign file's polygons into an existing soup (BREPOBJ): every polygon gets `material`
- * unless it is UINT32_MAX, then the file's own materials are added. `map` is applied to positions. */
+ * unless it is UINT32_MAX, then the file's own materials are added. `map` moves positions. */
 bool scene_import_into(Polygons *soup, const char *path, uint32_t material, const Affine *map,
                        const SceneReadOptions *options, uint64_t *hash, Error *err);
 

@@ -31,7 +31,7 @@ typedef struct {
     int        width, height;    /* SCREEN's size; 0: not given */
     Rgb        background;       /* radiance of what no surface hides; lights nothing */
     Rgb        ambient;          /* AMB_LIGHT, kept for the Whitted renderer */
-    Vec3       up;               /* of the file's format: y for OBJ and glTF, z for MSD without SCREEN,
+    Vec3       up;               /* of the file's format: y for OBJ, glTF, z for MSD without SCREEN,
                                     STL ...; from SCREEN's UP when there is one; unit */
     bool       has_screen;       /* the file names a view */
     uint64_t   hash;             /* xxHash of the bytes of all files read */

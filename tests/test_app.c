@@ -120,7 +120,8 @@ static void json_holds_any_value(void **state)
                         "{\"a\\\"b\":\"tab\\t \\\\ \\u0001 \xC3\xA9 \xEF\xBF\xBD "
                         "\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD \xEF\xBF\xBD\xEF\xBF\xBD\","
                         "\"third\":0.33333333333333331,\"whole\":5.0,\"none\":null,"
-                        "\"big\":1.8446744073709552e19,\"list\":[0.10000000000000001,-1.0000000000000001e300],"
+                        "\"big\":1.8446744073709552e19,"
+                        "\"list\":[0.10000000000000001,-1.0000000000000001e300],"
                         "\"empty\":[]}\n");
 }
 

@@ -196,8 +196,9 @@ static void test_hidden(void **state)
     room_clear(&r);
 }
 
-/* A panel of one square far below a light: H = 1000 / 30^2 times the mean of cos^3 over it, which is
- * 1 less 1.5 (1/6) / 30^2; what escapes is the rest, although no ray of the light may find it. */
+/* A panel of one square far below a light: H = 1000 / 30^2 times the mean of cos^3 over it,
+ * which is 1 less 1.5 (1/6) / 30^2; what escapes is the rest, although none
+ * of the light's own rays may find it. */
 static void test_far(void **state)
 {
     (void)state;

@@ -52,7 +52,7 @@ static void gltf_refused(Bench *bench, const char *rest, const char *part)
 #define MESH "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}]"
 #define NODE "\"nodes\":[{\"mesh\":0}]"
 
-/* --- geometry ------------------------------------------------------------------------------------ */
+/* --- geometry -------------------------------------------------------------------------------- */
 
 static void triangles_come_in_all_modes(void **state)
 {
@@ -156,7 +156,7 @@ static void glb_is_the_same(void **state)
     bench_refused(bench, "short.glb", "ends within its header");
 }
 
-/* --- materials ------------------------------------------------------------------------------------ */
+/* --- materials ------------------------------------------------------------------------------- */
 
 /* The mesh's two primitives are given material 1 and 0: order in the file must not matter. */
 #define TWO "\"meshes\":[{\"name\":\"two\",\"primitives\":[" \
@@ -199,7 +199,7 @@ static void materials_mean_light(void **state)
     scene_destroy(scene);
 }
 
-/* --- lights and cameras ---------------------------------------------------------------------------- */
+/* --- lights and cameras ---------------------------------------------------------------------- */
 
 /* The node is turned by -90 degrees about x: -z becomes -y, straight down. */
 static void lights_hang_on_their_nodes(void **state)
@@ -257,7 +257,7 @@ static void cameras_have_a_vertical_angle(void **state)
     scene_destroy(scene);
 }
 
-/* --- what is refused -------------------------------------------------------------------------------- */
+/* --- what is refused ------------------------------------------------------------------------- */
 
 static void faults_are_named(void **state)
 {
@@ -267,10 +267,12 @@ static void faults_are_named(void **state)
         { MESH ",\"nodes\":[{\"mesh\":-1}]", "nodes[0]: \"mesh\" is not an index" },
         { MESH ",\"nodes\":[{\"mesh\":0.5}]", "nodes[0]: \"mesh\" is not an index" },
         { MESH ",\"nodes\":[{\"mesh\":\"0\"}]", "nodes[0]: \"mesh\" is not an index" },
-        { MESH ",\"nodes\":[{\"children\":[1]},{\"children\":[1],\"mesh\":0}]", "nodes[1]: has two" },
+        { MESH ",\"nodes\":[{\"children\":[1]},{\"children\":[1],\"mesh\":0}]",
+          "nodes[1]: has two" },
         { MESH ",\"nodes\":[{\"mesh\":0,\"children\":[0]}],\"scenes\":[{\"nodes\":[0]}]",
           "nodes[0]: has two parents or is its own ancestor" },
-        { MESH ",\"nodes\":[{\"mesh\":0,\"scale\":[1,2]}]", "\"scale\" has 2 numbers instead of 3" },
+        { MESH ",\"nodes\":[{\"mesh\":0,\"scale\":[1,2]}]",
+          "\"scale\" has 2 numbers instead of 3" },
         { MESH ",\"nodes\":[{\"mesh\":0,\"scale\":[1,2,\"3\"]}]", "\"scale\"[2] is not a number" },
         { MESH ",\"nodes\":[{\"mesh\":0,\"rotation\":[0,0,0,0]}]", "is not a rotation" },
         { MESH ",\"nodes\":[{\"mesh\":0,\"scale\":[1e200,1,1],\"children\":[1]},"

@@ -65,7 +65,8 @@ static void lines_end_as_they_like(void **state)
 static void indices_count_from_both_ends(void **state)
 {
     Bench *bench = *state;
-    static const char *const faces[] = { "f -4 -3 -2 -1", "f 1/1 2/2 3/3 4/4", "f 1//1 2//1 3//1 4//1",
+    static const char *const faces[] = {
+        "f -4 -3 -2 -1", "f 1/1 2/2 3/3 4/4", "f 1//1 2//1 3//1 4//1",
                                          "f 1/1/1 -3/1/1 3 4", "f  +1 2 3 4 # all" };
     char text[200];
 
@@ -132,7 +133,7 @@ static void groups_are_the_last_o_or_g(void **state)
     scene_destroy(scene);
 }
 
-/* --- materials ---------------------------------------------------------------------------------- */
+/* --- materials ------------------------------------------------------------------------------- */
 
 static const char library[] =
     "# comment\nnewmtl lamp\n\tKd 0.78 0.5 0.25\n  Ke 17 12 4 # bright\nillum 2\nd 1.0\nTr 0.0\n"
@@ -220,7 +221,7 @@ static void missing_materials_are_told(void **state)
     scene_destroy(scene);
 }
 
-/* --- what is refused ---------------------------------------------------------------------------- */
+/* --- what is refused ------------------------------------------------------------------------- */
 
 static void bad_lines_are_named(void **state)
 {
@@ -283,7 +284,7 @@ static void lines_and_unknown_words_are_told(void **state)
     assert_string_equal(bench->code, "faces-ignored");
 }
 
-/* --- into another scene, and without memory ------------------------------------------------------ */
+/* --- into another scene, and without memory -------------------------------------------------- */
 
 static void imports_into_a_soup(void **state)
 {

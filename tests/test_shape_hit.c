@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* math/shape: rays against curved shapes, checked by points on the surface and by dense sampling. */
+/* math/shape: rays against curved shapes, checked by points on them and dense sampling. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -96,7 +96,7 @@ static bool seen(const Camera *c, Vec3 p)
     return reach > 0 && fabs(vec3_dot(d, right)) <= reach && fabs(vec3_dot(d, up)) <= reach;
 }
 
-/* --- views ------------------------------------------------------------------------------------- */
+/* --- views ----------------------------------------------------------------------------------- */
 
 /* A box open to one level side, whichever way is up: the eye stands before that side, all four
  * corners of the opening are in the picture, and it fills more than nine tenths of it. */
@@ -127,7 +127,8 @@ static void open_boxes_are_seen_whole(void **state)
                         assert_true(seen(&c, p));
                     }
                     const double w = fmax(vec3_axis(hi, up) - vec3_axis(lo, up),
-                                          vec3_axis(hi, 3 - up - axis) - vec3_axis(lo, 3 - up - axis));
+                                          vec3_axis(hi, 3 - up - axis) -
+                                              vec3_axis(lo, 3 - up - axis));
                     const double half = fabs(vec3_axis(c.eye, axis) - edge)
                                         * tan(c.vertical_fov / 2 * M_PI / 180);
                     assert_true(w / 2 > 0.9 * half);
@@ -185,7 +186,7 @@ static void bodies_without_room_are_seen_whole(void **state)
     house_end(&h);
 }
 
-/* --- the lamp ------------------------------------------------------------------------------------ */
+/* --- the lamp -------------------------------------------------------------------------------- */
 
 static Vec3 lamp_normal(const Polygons *p, double *area)
 {
