@@ -6,6 +6,7 @@
 
 #include "app/options.h"
 #include "base/parallel.h"
+#include "raycast/bvh.h"
 
 typedef struct {
     Command     command;
@@ -125,15 +126,20 @@ static int print_library(struct dl_phdr_info *info, size_t size, void *context)
     return 0;
 }
 
+/* The kernel that rays would be traced with: ISOLUX_ISA may force one. */
+static void print_kernel(FILE *out)
+{
+    Error err = { 0 };
+    Bvh  *bvh = bvh_create(&(Primitives){ 0 }, 1, &err);
+    fprintf(out, "  kernel   %s\n", bvh != NULL ? bvh_isa(bvh) : err.text);
+    bvh_destroy(bvh);
+}
+
 void help_version(FILE *out)
 {
     fputs("isolux " ISOLUX_VERSION "\n", out);
     fprintf(out, "  compiler %s\n", __VERSION__);
-#ifdef ISOLUX_SCALAR
-    fputs("  kernel   scalar\n", out);
-#else
-    fputs("  kernel   portable C, vectorised by the compiler\n", out);
-#endif
+    print_kernel(out);
 #if defined __x86_64__
     __builtin_cpu_init();
     fprintf(out, "  cpu      sse2%s%s%s%s, %u threads\n", __builtin_cpu_supports("sse4.2") ?

@@ -39,6 +39,7 @@ typedef struct {
     uint32_t             tiles_x;
     uint64_t            *rays;    /* [tiles] */
     struct Worker       *worker;  /* [threads] */
+    const Monitor       *monitor;
 } Render;
 
 typedef struct Worker {
@@ -199,13 +200,17 @@ static void render_pixel(const Render *render, Worker *worker, int x, int y)
     const size_t   at = (size_t)y * (size_t)render->image->width + (size_t)x;
     const uint32_t seed = sampling_seed((uint32_t)x, (uint32_t)y, render->options->seed, 1);
     Pixel          pixel = { 0 };
-    for (uint32_t begin = 0; begin < samples; begin += WAVE_POINTS) {
-        const uint32_t left = samples - begin;
-        render_samples(render, worker, x, y, begin, left < WAVE_POINTS ? left : WAVE_POINTS, seed,
-                       &pixel);
+    uint32_t       done = 0;
+    /* Asked to stop, a pixel keeps the samples it has: a tile with thousands each takes long. */
+    while (done < samples && !monitor_stop(render->monitor)) {
+        const uint32_t left = samples - done, count = left < WAVE_POINTS ? left : WAVE_POINTS;
+        render_samples(render, worker, x, y, done, count, seed, &pixel);
+        done += count;
     }
+    if (done == 0)
+        return;
     Image       *image = render->image;
-    const double scale = 1.0 / samples;
+    const double scale = 1.0 / done;
     store(image->radiance + 3 * at, pixel.radiance, scale);
     store(image->direct + 3 * at, pixel.direct, scale);
     store(image->indirect + 3 * at, pixel.indirect, scale);
@@ -328,7 +333,10 @@ static void render_run(Render *render, RenderReport *report, const Monitor *moni
     render->rays = array_create(tiles, sizeof *render->rays, "picture", err);
     if (workers_create(render, err)) {
         const Progress base = { .stage = "gather", .done = 1, .energy_left = -1 };
-        if (!parallel_for(tiles, 1, render->options->threads, render_tiles, render, monitor, &base))
+        render->monitor = monitor;
+        if (!parallel_for(tiles, 1, render->options->threads, render_tiles, render, monitor,
+                          &base) ||
+            monitor_stop(monitor))
             error_set(err, ERROR_STOPPED, "the picture was stopped before it was complete");
         for (uint32_t i = 0; i < tiles; i++)
             report->rays += render->rays[i];
