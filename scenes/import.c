@@ -146,9 +146,10 @@ static bool target_read(ImportTarget *target, Error *err)
 
     if (!file_usable(target->path, err))
         return false;
-    const bool good = strcasecmp(path_ending(target->path), "obj") == 0
-                          ? import_obj(target, err)
-                          : import_from_child(target, import_assimp, err);
+    const char *ending = path_ending(target->path);
+    const bool good = strcasecmp(ending, "obj") == 0   ? import_obj(target, err)
+                      : strcasecmp(ending, "ply") == 0 ? import_ply(target, err)
+                      : import_from_child(target, import_assimp, err);
     if (!good)
         return false;
     if (target->faces == 0)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* scenes/import.h -- what the parts of the reader of foreign files share; this folder and tests.
  *
- * OBJ is read here, line by line, so that an error names its line and vertices stay as they are in
- * the file; all other formats pass through assimp in a child process, which hands what it found
- * back through a pipe. Whatever comes in goes through an ImportTarget.
+ * OBJ and PLY are read here, so that an error names its line or element and vertices stay as they
+ * are in the file; all other formats pass through assimp in a child process, which hands what it
+ * found back through a pipe. Whatever comes in goes through an ImportTarget.
  */
 #ifndef SCENES_IMPORT_H
 #define SCENES_IMPORT_H
@@ -44,6 +44,7 @@ bool import_plain_material(ImportTarget *target, uint32_t *index, Error *err);
 
 /* Reads an OBJ file and its material libraries into the target. */
 bool import_obj(ImportTarget *target, Error *err);
+bool import_ply(ImportTarget *target, Error *err);
 
 /* --- materials of OBJ (import_mtl.c) ---------------------------------------------------------- */
 
