@@ -54,13 +54,14 @@ typedef struct {
     uint32_t *index;        /* [count]  in the soup once used, UINT32_MAX before */
     bool     *textured;     /* [count]  has an image for its colour or emission */
     size_t    count, capacity, index_capacity, textured_capacity;
-    size_t    last;         /* most recent answer: names come in runs */
+    uint32_t *slot;         /* [slots]  hash table of the names: 1 + position, 0: free */
+    size_t    slots;        /* 0 or a power of two */
 } MaterialLibrary;
 
 /* Adds what the file holds. fails  false and ERROR_INPUT when it cannot be read. */
 bool import_mtl(MaterialLibrary *library, const char *path, uint64_t *hash, Error *err);
 /* Position of the material, or SIZE_MAX. */
-size_t library_find(MaterialLibrary *library, const char *name);
+size_t library_find(const MaterialLibrary *library, const char *name);
 /* Takes over a copy of `material` under that name; *at is its position. */
 bool library_add(MaterialLibrary *library, const char *name, const Material *material, size_t *at,
                  Error *err);

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "base/array.h"
+#include "base/file.h"
 #include "scenes/import.h"
 #include "scenes/text.h"
 
@@ -34,25 +35,57 @@ static MtlEntry entry_empty(void)
 
 /* --- the table -------------------------------------------------------------------------------- */
 
-size_t library_find(MaterialLibrary *library, const char *name)
+/* The slot of that name, or the free one where it would be. */
+static size_t slot_find(const MaterialLibrary *library, const char *name)
+{
+    assert(library->slots > library->count);
+    size_t at = (size_t)file_hash(name, strlen(name), 0) & (library->slots - 1);
+
+    while (library->slot[at] != 0 &&
+           strcmp(library->material[library->slot[at] - 1].name, name) != 0)
+        at = (at + 1) & (library->slots - 1);
+    return at;
+}
+
+size_t library_find(const MaterialLibrary *library, const char *name)
 {
     assert(library != NULL && name != NULL);
-    if (library->last < library->count &&
-        strcmp(library->material[library->last].name, name) == 0)
-        return library->last;
+    if (library->slots == 0)
+        return SIZE_MAX;
+    const uint32_t found = library->slot[slot_find(library, name)];
+    return found != 0 ? found - 1 : SIZE_MAX;
+}
+
+/* Room for one more name, with at least half of the slots free. */
+static bool slots_reserve(MaterialLibrary *library, Error *err)
+{
+    static const size_t fewest = 64;
+
+    if (library->count >= UINT32_MAX - 1)
+        return error_set(err, ERROR_INPUT, "more than 2^32 materials");
+    if (2 * (library->count + 1) <= library->slots)
+        return true;
+    const size_t slots = library->slots > 0 ? 2 * library->slots : fewest;
+    uint32_t *slot = array_create(slots, sizeof *slot, "materials", err);
+    if (slot == NULL)
+        return false;
+    array_free(library->slot);
+    library->slot = slot;
+    library->slots = slots;
     for (size_t i = 0; i < library->count; i++)
-        if (strcmp(library->material[i].name, name) == 0)
-            return library->last = i;
-    return SIZE_MAX;
+        slot[slot_find(library, library->material[i].name)] = (uint32_t)i + 1;
+    return true;
 }
 
 bool library_add(MaterialLibrary *library, const char *name, const Material *material, size_t *at,
                  Error *err)
 {
     assert(library != NULL && name != NULL && material != NULL && at != NULL);
+    assert(library_find(library, name) == SIZE_MAX);
     const size_t needed = library->count + 1;
 
-    if (!array_reserve((void **)&library->material, &library->capacity, needed,
+    if (!slots_reserve(library, err) ||
+        !array_reserve((void **)&library->material, &library->capacity, needed,
                        sizeof *library->material, "materials", err) ||
         !array_reserve((void **)&library->index, &library->index_capacity, needed,
                        sizeof *library->index, "materials", err) ||
@@ -62,7 +95,9 @@ bool library_add(MaterialLibrary *library, const char *name, const Material *mat
     char *copy = array_string(name, err);
     if (copy == NULL)
         return false;
-    *at = library->count++;
+    *at = library->count;
+    library->slot[slot_find(library, copy)] = (uint32_t)*at + 1;
+    library->count++;
     library->material[*at] = *material;
     library->material[*at].name = copy;
     library->index[*at] = UINT32_MAX;
@@ -77,6 +112,7 @@ void library_clear(MaterialLibrary *library)
     array_free(library->material);
     array_free(library->index);
     array_free(library->textured);
+    array_free(library->slot);
     *library = (MaterialLibrary){ 0 };
 }
 

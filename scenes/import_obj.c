@@ -31,9 +31,15 @@ typedef struct {
     uint32_t       *corner;
     size_t          corner_capacity;
     uint64_t        small;           /* faces with fewer than 3 corners */
+    uint64_t        missing;         /* libraries and materials that are not there */
+    uint64_t       *read;            /* [read_count]  hashes of the libraries' paths */
+    size_t          read_count, read_capacity;
     bool            textured;        /* a material in use has an image */
     char            unknown[64];     /* first statement that is not known */
 } ObjReader;
+
+/* A file may miss as many materials as it has lines: this many are told one by one. */
+static const uint64_t missing_told = 20;
 
 static const Monitor *reader_monitor(const ObjReader *r) { return r->target->options->monitor; }
 
@@ -65,13 +71,26 @@ static bool library_open(ObjReader *r, char *name, bool *found, Error *err)
     char path[PATH_MAX];
 
     *found = library_path(r->text.path, name, path, sizeof path);
-    return !*found || import_mtl(&r->library, path, &r->target->hash, err);
+    if (!*found)
+        return true;
+    /* Some programs name the library before every object: once is enough. */
+    const uint64_t hash = file_hash(path, strlen(path), 0);
+    for (size_t i = 0; i < r->read_count; i++)
+        if (r->read[i] == hash)
+            return true;
+    if (!array_reserve((void **)&r->read, &r->read_capacity, r->read_count + 1, sizeof *r->read,
+                       "material libraries", err))
+        return false;
+    r->read[r->read_count++] = hash;
+    return import_mtl(&r->library, path, &r->target->hash, err);
 }
 
-static void library_missing(const ObjReader *r, const char *name)
+static void library_missing(ObjReader *r, const char *name)
 {
     char where[256];
 
+    if (++r->missing > missing_told)
+        return;
     snprintf(where, sizeof where, "%s:%u", r->text.path, r->text.line);
     monitor_warn(reader_monitor(r), "material-missing", where,
                  "material library \"%s\" is not there; its materials become grey 0.5", name);
@@ -117,8 +136,9 @@ static bool material_use(ObjReader *r, const char *line, Error *err)
     char where[256];
     const Material grey = material_default();
     snprintf(where, sizeof where, "%s:%u", r->text.path, r->text.line);
-    monitor_warn(reader_monitor(r), "material-missing", where,
-                 "material \"%s\" is in no material library; grey 0.5 is used", name);
+    if (++r->missing <= missing_told)
+        monitor_warn(reader_monitor(r), "material-missing", where,
+                     "material \"%s\" is in no material library; grey 0.5 is used", name);
     return library_add(&r->library, name, &grey, &r->material, err);
 }
 
@@ -266,6 +286,10 @@ static bool faces_read(ObjReader *r, Error *err)
 
 static void findings_tell(const ObjReader *r)
 {
+    if (r->missing > missing_told)
+        monitor_warn(reader_monitor(r), "material-missing", r->text.path,
+                     "%llu more material libraries or materials are missing",
+                     (unsigned long long)(r->missing - missing_told));
     if (r->small > 0)
         monitor_warn(reader_monitor(r), "faces-ignored", r->text.path,
                      "%llu faces have fewer than 3 corners and are left out",
@@ -289,6 +313,7 @@ bool import_obj(ImportTarget *target, Error *err)
     if (good)
         findings_tell(&r);
     array_free(r.corner);
+    array_free(r.read);
     library_clear(&r.library);
     text_close(&r.text);
     return good;
