@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 #include <xxhash.h>
 
@@ -241,10 +242,18 @@ static void folder_sync(const char *path)
     }
 }
 
+static bool disk_is_full(const OutFile *out)
+{
+    struct statvfs disk;
+    return !out->standard && fstatvfs(fileno(out->stream), &disk) == 0 && disk.f_bavail == 0;
+}
+
 static bool stream_finish(OutFile *out)
 {
     bool good = !ferror(out->stream);
-    int why = good ? 0 : EIO;
+    /* A library's or an earlier write failed, and only the stream remembers: a full disk shows in
+     * that there still is no room. */
+    int why = good ? 0 : disk_is_full(out) ? ENOSPC : EIO;
 
     if (fflush(out->stream) != 0 && good) {
         good = false;

@@ -133,7 +133,6 @@ typedef struct {
     size_t     source_count, source_capacity;
     MsdPlace   cursor; /* behind the current token */
     MsdToken   token;
-    char       before; /* sign of the token before, or 0 */
     char      *string; /* value of the last TOKEN_STRING */
     size_t     string_capacity;
     /* names */

@@ -303,7 +303,6 @@ bool msd_next(MsdReader *r)
     const size_t before = r->cursor.offset;
     if (!blank_skip(r))
         return false;
-    r->before = r->token.kind == TOKEN_SIGN ? r->token.sign : 0;
     r->token = (MsdToken){ .place = r->cursor };
     if (!token_read(r))
         return false;

@@ -102,8 +102,8 @@ bool msd_declaration(MsdReader *r)
             !declared_value(r, &b) || !msd_define(r, &b))
             return false;
     } while (msd_is(r, ','));
-    /* An INCLUDE as the object has brought the sign itself. */
-    if (kind == NAME_OBJECT && r->before == ';' && !msd_is(r, ';'))
+    /* The grammar has no sign behind these two, and an INCLUDE as the object brings its own. */
+    if ((kind == NAME_OBJECT || kind == NAME_CAMERA) && !msd_is(r, ';'))
         return true;
     return msd_is(r, ';') ? msd_next(r) : msd_expected(r, "',' or ';'");
 }

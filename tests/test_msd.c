@@ -342,8 +342,10 @@ static void screen_gives_the_first_camera(void **state)
     assert_rgb(scene->background, 0.1, 0.2, 0.3, "background");
     scene_destroy(scene);
 
-    scene = msd_scene("CAMERA side = ( (1,0,0) (0,0,0) (0,1,0) 90 60 );\n"
+    scene = msd_scene("CAMERA side = ( (1,0,0) (0,0,0) (0,1,0) 90 60 )\n"
+                      "OBJECT ball = SPHERE 1 (0,0,0) 1\n" WHITE "REF ball\n"
                       "SCREEN <80, 60> CAMERA side");
+    assert_int_equal(scene->polygons.shape_count, 1); /* both without a sign behind */
     assert_string_equal(scene->cameras[0].name, "SCREEN");
     assert_near(scene->cameras[0].vertical_fov, 60, 0, "vertical");
     assert_point(scene->up, 0, 1, 0, 0, "up of SCREEN");
