@@ -200,6 +200,8 @@ bool scene_import_into(Polygons *soup, const char *path, uint32_t material, cons
     const char *name = slash != NULL ? slash + 1 : path;
     const char *dot = strrchr(name, '.');
 
+    if (strcasecmp(path_ending(path), "msd") == 0)
+        return error_at(err, ERROR_INPUT, path, 0, "is a scene, not a mesh: INCLUDE reads it");
     target.soup = soup;
     target.map = *map;
     target.mirrored = affine_determinant(map) < 0;

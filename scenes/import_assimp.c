@@ -421,13 +421,20 @@ static void camera_send(Import *import, const struct aiCamera *from)
     pipe_put_camera(import->out, &camera);
 }
 
+/* How long a unit of the file is in the units of the scene. */
+static double root_scale(const Import *import)
+{
+    const struct aiNode *node = import->scene->mRootNode;
+    const Affine root = node != NULL ? affine_get(&node->mTransformation) : affine_identity();
+
+    return cbrt(fabs(affine_determinant(&root)));
+}
+
 /* What the light's colour is divided by at a distance of 1: its fall with the square of distance,
  * which files give in their own unit. FBX has no such number, but assimp makes one up. */
 static double light_fall(const Import *import, const struct aiLight *from)
 {
-    const struct aiNode *node = import->scene->mRootNode;
-    const Affine root = node != NULL ? affine_get(&node->mTransformation) : affine_identity();
-    const double unit = cbrt(fabs(affine_determinant(&root)));
+    const double unit = root_scale(import);
 
     if (import->known.format == FORMAT_FBX || !(from->mAttenuationQuadratic > 0) || !(unit > 0) ||
         !isfinite(from->mAttenuationQuadratic))
@@ -533,12 +540,16 @@ static bool scene_send(Import *import)
 {
     const Affine still = affine_identity();
     const struct aiScene *scene = import->scene;
+    const float unit = (float)root_scale(import);
 
     import->shown = array_create(scene->mNumMeshes, sizeof *import->shown, "meshes", import->err);
     if (import->shown == NULL || !materials_send(import))
         return false;
     if (import->known.format == FORMAT_FBX)
         fbx_settings_send(import);
+    if (import->known.format == FORMAT_COLLADA && unit != 1)
+        pipe_put_warning(import->out, "length-unit", import->path,
+                         "lengths are turned into metres: this file's unit is %g m", (double)unit);
     for (unsigned i = 0; import->known.gltf == NULL && i < scene->mNumLights; i++)
         light_send(import, scene->mLights[i]);
     for (unsigned i = 0; import->known.gltf == NULL && i < scene->mNumCameras; i++)

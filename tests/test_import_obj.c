@@ -5,6 +5,8 @@
 #include <locale.h>
 #include <sys/stat.h>
 
+#include "scenes/import.h"
+
 static const char square[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
 
 /* Replaces each \n of text by `end`. */
@@ -221,6 +223,52 @@ static void missing_materials_are_told(void **state)
     scene_destroy(scene);
 }
 
+static void what_is_missing_is_told_shortly(void **state)
+{
+    Bench *bench = *state;
+    char text[4000] = "mtllib pipe.mtl\nmtllib folder.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+    /* Neither is a file; the first must not be waited for. */
+    assert_int_equal(mkfifo(bench_path(bench, "pipe.mtl"), 0600), 0);
+    assert_int_equal(mkdir(bench_path(bench, "folder.mtl"), 0700), 0);
+    for (int i = 0; i < 100; i++)
+        sprintf(text + strlen(text), "usemtl m%d\nf 1 2 3\n", i);
+    bench_text(bench, "many.obj", text);
+    Scene *scene = bench_scene(bench, "many.obj");
+    assert_int_equal(scene->polygons.material_count, 100);
+    assert_string_equal(bench_material(scene, 99)->name, "m99");
+    assert_int_equal(bench->named[0], 21); /* 20 one by one */
+    assert_non_null(strstr(bench->text, "82 more"));
+    scene_destroy(scene);
+}
+
+static void a_library_is_read_once(void **state)
+{
+    Bench *bench = *state;
+    Error err = { 0 };
+    MaterialLibrary table = { 0 };
+    uint64_t hash = 0;
+    char text[20000] = "";
+
+    for (int i = 0; i < 500; i++)
+        sprintf(text + strlen(text), "newmtl m%d\nKd 0.%03d 0 0\n", i, i);
+    bench_text(bench, "many.mtl", text);
+    assert_true(import_mtl(&table, bench_path(bench, "many.mtl"), &hash, &err));
+    assert_int_equal(table.count, 500);
+    for (size_t i = 0; i < 500; i++) {
+        snprintf(text, sizeof text, "m%zu", i);
+        assert_int_equal(library_find(&table, text), i);
+        assert_close(table.material[i].reflectance.r, (double)i / 1000, 1e-15, text);
+    }
+    assert_true(library_find(&table, "m500") == SIZE_MAX);
+    library_clear(&table);
+    bench_text(bench, "twice.obj", "mtllib many.mtl\nmtllib many.mtl\nv 0 0 0\nv 1 0 0\n"
+               "v 0 1 0\nusemtl m499\nf 1 2 3\n");
+    Scene *scene = bench_scene(bench, "twice.obj");
+    assert_close(bench_material(scene, 0)->reflectance.r, 0.499, 1e-15, "m499");
+    scene_destroy(scene);
+}
+
 /* --- what is refused ------------------------------------------------------------------------- */
 
 static void bad_lines_are_named(void **state)
@@ -347,6 +395,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(materials_mean_light, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(hash_covers_the_library, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(missing_materials_are_told, bench_open, bench_close),
+        cmocka_unit_test_setup_teardown(what_is_missing_is_told_shortly, bench_open, bench_close),
+        cmocka_unit_test_setup_teardown(a_library_is_read_once, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(bad_lines_are_named, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(files_that_are_none, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(lines_and_unknown_words_are_told, bench_open, bench_close),
