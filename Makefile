@@ -166,6 +166,12 @@ test-programs: $(TEST_PROGRAMS)
 test-one: $(BUILD)/tests/$(T)
 	$(BUILD)/tests/$(T)
 
+.PHONY: valgrind
+valgrind:
+	@command -v valgrind >/dev/null || { echo "valgrind is missing: apt-get install valgrind"; exit 1; }
+	@$(SUBMAKE) all test-programs
+	@tests/valgrind.sh $(TESTS:%=$(BUILD)/tests/%)
+
 .PHONY: coverage
 coverage:
 	@$(MAKE) --no-print-directory config=coverage test
@@ -265,6 +271,7 @@ help:
 	@echo "make test-one T=test_msd         one test program"
 	@echo "make fuzz       clang's fuzzer on every reader, FUZZ_SECONDS=10 each"
 	@echo "make bench      rays per second, seconds and memory on the scenes in scenes/files/"
+	@echo "make valgrind   test programs under memcheck; takes a while"
 	@echo "make coverage   tests with line coverage: build/coverage/report.html"
 	@echo "make layers     refuse includes that point upwards"
 	@echo "make stats      code budgets: lengths, asserts, tolerances, globals"
