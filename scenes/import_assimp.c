@@ -31,6 +31,7 @@ typedef struct {
     const struct aiScene *scene;
     uint32_t             *material;      /* [mNumMaterials]  number in the pipe */
     uint64_t              loose;         /* points and lines */
+    uint64_t              faces;         /* the rest */
     bool                 *shown;         /* [mNumMeshes]  in a node */
 } Import;
 
@@ -269,9 +270,12 @@ static bool mesh_send(Import *import, const struct aiMesh *mesh, const Affine *w
     if (!corners_check(import, mesh, group) ||
         (import->known.gltf != NULL && !gltf_faces_check(import, mesh, group)))
         return false;
-    for (unsigned i = 0; i < mesh->mNumFaces; i++)
-        faces += mesh->mFaces[i].mNumIndices >= 3;
-    import->loose += mesh->mNumFaces - faces;
+    for (unsigned i = 0; i < mesh->mNumFaces; i++) {
+        const unsigned corners = mesh->mFaces[i].mNumIndices;
+        faces += corners >= 3;
+        import->loose += corners == 1 || corners == 2;
+    }
+    import->faces += faces;
     if (faces == 0)
         return true;
     pipe_put_kind(import->out, RECORD_PART);
@@ -554,8 +558,15 @@ static bool scene_send(Import *import)
         light_send(import, scene->mLights[i]);
     for (unsigned i = 0; import->known.gltf == NULL && i < scene->mNumCameras; i++)
         camera_send(import, scene->mCameras[i]);
-    return (scene->mRootNode == NULL || node_send(import, scene->mRootNode, &still)) &&
-           forgotten_send(import);
+    if ((scene->mRootNode != NULL && !node_send(import, scene->mRootNode, &still)) ||
+        !forgotten_send(import))
+        return false;
+    if (import->faces < import->known.faces)
+        pipe_put_warning(import->out, "file-cut", import->path,
+                         "has %llu of the %llu faces it promises: it may be cut off",
+                         (unsigned long long)import->faces,
+                         (unsigned long long)import->known.faces);
+    return true;
 }
 
 static bool import_run(Import *import)

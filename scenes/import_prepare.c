@@ -12,7 +12,8 @@ static Format format_of(const char *path)
 {
     static const struct { const char *ending; Format format; } endings[] = {
         { ".gltf", FORMAT_GLTF }, { ".glb", FORMAT_GLTF }, { ".dae", FORMAT_COLLADA },
-        { ".fbx", FORMAT_FBX }, { ".3ds", FORMAT_3DS } };
+        { ".fbx", FORMAT_FBX }, { ".3ds", FORMAT_3DS }, { ".stl", FORMAT_STL },
+        { ".off", FORMAT_OFF } };
     const char *dot = strrchr(path, '.');
 
     for (size_t i = 0; dot != NULL && i < sizeof endings / sizeof *endings; i++)
@@ -80,6 +81,12 @@ bool import_prepare(Foreknown *known, const char *path, ImportFiles *files, size
     case FORMAT_3DS:
         return discreet_names((const uint8_t *)file->bytes, file->size, &known->name,
                               &known->name_count, err);
+    case FORMAT_STL:
+        if (stl_is_cut(file->bytes, file->size))
+            pipe_put_warning(out, "file-cut", path,
+                             "the last solid has no endsolid: the file may be cut off");
+        return true;
+    case FORMAT_OFF: known->faces = off_faces(file->bytes); return true;
     default: return true;
     }
 }

@@ -10,7 +10,9 @@
 #include "scenes/pipe.h"
 
 /* Formats that need care of their own. */
-typedef enum { FORMAT_OTHER, FORMAT_GLTF, FORMAT_COLLADA, FORMAT_FBX, FORMAT_3DS } Format;
+typedef enum {
+    FORMAT_OTHER, FORMAT_GLTF, FORMAT_COLLADA, FORMAT_FBX, FORMAT_3DS, FORMAT_STL, FORMAT_OFF
+} Format;
 
 typedef struct {
     Format       format;
@@ -19,6 +21,7 @@ typedef struct {
     bool         cones;      /* COLLADA: spots name their outer cone */
     const char **name;       /* [name_count]  3DS: of the meshes, into the file's bytes */
     size_t       name_count;
+    uint64_t     faces;      /* OFF: as many are promised; 0: not known */
 } Foreknown;
 
 /* Looks at file number `at` and, for glTF, sends its materials, lights and cameras. */

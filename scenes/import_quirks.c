@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is put right before or after assimp reads COLLADA and 3DS. */
+/* What is put right, or found out, before or after assimp reads COLLADA, 3DS, STL and OFF. */
 #include "scenes/import_quirks.h"
 
 #include <assert.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/array.h"
 
@@ -136,4 +138,50 @@ Vec3 discreet_up(Vec3 look, Vec3 up)
         return vec3(0, 0, 1);
     const double roll = atan2(vec3_dot(look, vec3_cross(y, turned)), vec3_dot(y, turned));
     return vec3_add(vec3_scale(z, cos(roll)), vec3_scale(vec3_cross(look, z), sin(roll)));
+}
+
+/* --- STL and OFF ------------------------------------------------------------------------------ */
+
+static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+bool stl_is_cut(const char *text, size_t size)
+{
+    assert(text != NULL);
+    static const char last[] = "endsolid";
+
+    if (size < 5 || strncasecmp(text, "solid", 5) != 0 || memchr(text, 0, size) != NULL)
+        return false; /* not text */
+    while (size > 0 && is_space(text[size - 1]))
+        size--;
+    size_t begin = size;
+    while (begin > 0 && text[begin - 1] != '\n' && text[begin - 1] != '\r')
+        begin--;
+    while (begin < size && is_space(text[begin]))
+        begin++;
+    return size - begin < strlen(last) || strncasecmp(text + begin, last, strlen(last)) != 0;
+}
+
+/* White space and comments. */
+static const char *off_skip(const char *c)
+{
+    for (; is_space(*c) || *c == '#'; c++)
+        if (*c == '#')
+            c += strcspn(c, "\r\n") - 1;
+    return c;
+}
+
+uint64_t off_faces(const char *text)
+{
+    assert(text != NULL);
+    char *end;
+    const char *c = off_skip(text);
+
+    while (*c != 0 && !is_space(*c) && (*c < '0' || *c > '9'))
+        c++; /* OFF, COFF, ... */
+    c = off_skip(c);
+    (void)strtoull(c, &end, 10);
+    if (end == c)
+        return 0;
+    c = off_skip(end);
+    return *c >= '0' && *c <= '9' ? strtoull(c, &end, 10) : 0;
 }

@@ -31,4 +31,10 @@ bool discreet_names(const uint8_t *bytes, size_t size, const char ***name, size_
  * roll from z. All in the file's axes; look is a unit vector. */
 Vec3 discreet_up(Vec3 look, Vec3 up);
 
+/* Whether a text STL lacks its last endsolid: assimp takes what there is. */
+bool stl_is_cut(const char *text, size_t size);
+/* Faces that an OFF text promises, 0 when it is not known; assimp takes what there is. A 0 byte
+ * ends the text. */
+uint64_t off_faces(const char *text);
+
 #endif

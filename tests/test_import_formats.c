@@ -314,6 +314,35 @@ static void discreet_names_are_found_in_any_bytes(void **state)
     bench->warnings = 0;
 }
 
+static void cut_files_are_told(void **state)
+{
+    Bench *bench = *state;
+    static const char off[] = "OFF # a square\n4 1 4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+    static const char stl[] = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n"
+                              "vertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nEndSolid a\n \n";
+
+    bench_text(bench, "whole.off", off);
+    scene_destroy(bench_scene(bench, "whole.off"));
+    bench_bytes(bench, "cut.off", off, (size_t)(strstr(off, "4 0 1") - off));
+    bench_refused(bench, "cut.off", "cut.off: ");
+    bench_text(bench, "more.off", "OFF\n4 3 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
+    scene_destroy(bench_scene(bench, "more.off"));
+    assert_non_null(strstr(bench->text, "1 of the 3 faces"));
+    bench_text(bench, "whole.stl", stl);
+    scene_destroy(bench_scene(bench, "whole.stl"));
+    assert_int_equal(bench->warnings, 0);
+    bench_bytes(bench, "cut.stl", stl, (size_t)(strstr(stl, "EndSolid") - stl));
+    scene_destroy(bench_scene(bench, "cut.stl"));
+    assert_string_equal(bench->code, "file-cut");
+    assert_int_equal(off_faces("OFF 8 6 12"), 6);
+    assert_int_equal(off_faces("#x\nCOFF\n8\n#7\n6"), 6);
+    assert_int_equal(off_faces("OFF BINARY"), 0);
+    assert_int_equal(off_faces("OFF 8 -1"), 0);
+    assert_int_equal(off_faces("#"), 0);
+    assert_int_equal(off_faces(""), 0);
+    assert_false(stl_is_cut("solid\0binary", 12));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -327,6 +356,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(fbx_has_views_and_lamps, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(discreet_is_turned, bench_open, bench_close),
         cmocka_unit_test(discreet_rolls_about_the_view),
+        cmocka_unit_test_setup_teardown(cut_files_are_told, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(discreet_names_are_found_in_any_bytes, bench_open,
                                         bench_close),
     };
