@@ -10,7 +10,7 @@
  * whose REFs multiply. */
 static const uint64_t OBJECTS_MAX = 20000000;
 /* Bytes of text read, by REF and INCLUDE again and again: half a minute of reading. */
-static const uint64_t TEXT_READ_MAX = (uint64_t)1 << 30;
+static const uint64_t TEXT_READ_MAX = (uint64_t)1 << 28;
 /* The same for text from memory, where a fuzzer wants an answer within milliseconds. */
 static const uint64_t OBJECTS_MAX_SMALL = 20000, TEXT_READ_MAX_SMALL = 1 << 20;
 

@@ -213,6 +213,11 @@ bool msd_colour(MsdReader *r, Rgb *value)
         return msd_error(r, place, "found (%g, %g, %g), expected a colour without negative parts",
                          v.x, v.y, v.z);
     *value = rgb(v.x / r->colour_range, v.y / r->colour_range, v.z / r->colour_range);
+    /* Brighter than any light, and still far from what sums over a scene could not hold. */
+    const double largest = 1e100;
+    if (!(rgb_max(*value) <= largest))
+        return msd_error(r, place, "found (%g, %g, %g), expected a colour of at most %g", v.x, v.y,
+                         v.z, largest * r->colour_range);
     return true;
 }
 

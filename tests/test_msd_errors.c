@@ -125,6 +125,8 @@ static const Wrong wrong[] = {
       "found 400, expected an aperture in degrees above 0 to 360" },
     { "ATT_POS_LIGHT (-1,1,1) (0,0,0)", "1:15",
       "found (-1, 1, 1), expected a colour without negative parts" },
+    { "ATT_POS_LIGHT (1e308, 1e308, 1e308) (0,0,0)", "1:15",
+      "found (1e+308, 1e+308, 1e+308), expected a colour of at most 1e+100" },
     { "BEGIN BACKGROUND (1,1,1) END", "1:7",
       "found 'BACKGROUND', expected a declaration, a surface or an object" },
     { "COLORRANGE 0", "1:12", "found 0, expected a colour range above 0" },
