@@ -264,6 +264,7 @@ bool lamps_sample(const Lamps *lamps, const Receiver *at, const LampPlan *plan, 
         return false;
     double x = a * total;
     const uint32_t k = pick(below, lamps->count, &x);
+    *out = (LampSample){ .point = at->point, .normal = at->normal }; /* a lamp seen from behind */
     const Lamp    *lamp = &lamps->lamp[k];
     const double   chance = (below[k + 1] - below[k]) / total;
     const double   spread = lamp_point(lamps, lamp, at, x, b, out);

@@ -319,6 +319,7 @@ void wave_gather(Wave *wave, uint32_t count, const WaveOptions *options)
     assert(count <= WAVE_POINTS);
     assert(options->gather_rays > 0 && options->lamp_rays > 0);
     wave->lit_known = false;
+    wave->lit_share = 0; /* 0 times what memory held before could be NaN */
     for (uint32_t i = 0; i < count; i++) {
         wave->point[0][i].root = i;
         wave->point[0][i].weight = rgb(1, 1, 1);
