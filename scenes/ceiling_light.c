@@ -191,12 +191,3 @@ bool ceiling_light_hang(Scene *scene, const Surfaces *surfaces, const Bvh *bvh, 
     box.surfaces = surfaces;
     return light_hang(scene, &box, err);
 }
-
-bool ceiling_light_add(Scene *scene, const Bvh *bvh, Vec3 lo, Vec3 hi, Error *err)
-{
-    assert(scene != NULL && bvh != NULL && err != NULL);
-    if (error_is_set(err))
-        return false;
-    const ViewBox box = viewbox_make(bvh, lo, hi, scene->up);
-    return light_hang(scene, &box, err);
-}

@@ -15,7 +15,4 @@
  * fails  false and ERROR_MEMORY; ERROR_INPUT when the scene has no extent. */
 bool ceiling_light_hang(Scene *scene, const Surfaces *surfaces, const Bvh *bvh, Error *err);
 
-/* The same without knowing fronts from backs; lo, hi are the scene's bounds. */
-bool ceiling_light_add(Scene *scene, const Bvh *bvh, Vec3 lo, Vec3 hi, Error *err);
-
 #endif

@@ -206,13 +206,6 @@ void view_choose(const ViewBox *box, Camera *camera)
     assert(vec3_finite(camera->eye) && vec3_finite(camera->target));
 }
 
-void view_default(const Scene *scene, const Bvh *bvh, Vec3 lo, Vec3 hi, Camera *camera)
-{
-    assert(scene != NULL && bvh != NULL && camera != NULL);
-    const ViewBox box = viewbox_make(bvh, lo, hi, scene->up);
-    view_choose(&box, camera);
-}
-
 void view_of_surfaces(const Scene *scene, const Surfaces *surfaces, const Bvh *bvh,
                       Camera *camera)
 {

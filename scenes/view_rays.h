@@ -29,7 +29,7 @@ double  viewbox_sight(const ViewBox *box, Vec3 p, Vec3 d);
 /* The same, and whether it is a front that one sees (true when that is not known). */
 double  viewbox_look(const ViewBox *box, Vec3 p, Vec3 d, bool *front);
 
-/* The view of view_default. */
+/* The view of view_of_surfaces. */
 void view_choose(const ViewBox *box, Camera *camera);
 /* A place inside a room with a view of its far end; false when there is no enclosed place. */
 bool view_inside(const ViewBox *box, Camera *camera);
