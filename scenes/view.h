@@ -10,8 +10,8 @@
 /* Makes a camera that shows the room. When the scene's bounds are open towards one level side (most
  * rays sent in from there, all over that face of the box, reach deep) the eye stands before it and
  * sees the whole opening; otherwise it stands inside in free air at eye height, where it sees far
- * and much. What is no room at all is seen from outside. `up` as the scene's. Places that see fronts
- * are preferred to hollows behind walls and under floors, which see backs.
+ * and much. What is no room at all is seen from outside. `up` as the scene's. Places that see
+ * fronts are preferred to hollows behind walls and under floors, which see backs.
  * hits come from `bvh`, built over `surfaces`, which were made from the scene. */
 void view_of_surfaces(const Scene *scene, const Surfaces *surfaces, const Bvh *bvh,
                       Camera *camera);
