@@ -14,7 +14,7 @@ endif
 Q := $(if $(V),,@)
 
 # Lowest first; a folder may include those that tools/layers.sh allows.
-FOLDERS ?= base math mesh raycast scenes radiosity render
+FOLDERS ?= base math mesh raycast inspect scenes radiosity render
 
 BUILD ?= $(if $(filter release,$(config)),build,build/$(config))
 

@@ -16,6 +16,8 @@ static bool allocate_surfaces(PatchBuilder *b)
     out->nv = array_create(n, sizeof *out->nv, "patches", b->err);
     for (unsigned side = 0; side < 2; side++) {
         out->first[side] = array_create(n, sizeof *out->first[side], "patches", b->err);
+        out->first_face[side] = array_create(n, sizeof *out->first_face[side], "patches", b->err);
+        out->tree_first[side] = array_create(n, sizeof *out->tree_first[side], "patches", b->err);
         out->grid_first[side] = array_create(n, sizeof *out->grid_first[side], "patches", b->err);
     }
     return !error_is_set(b->err);
@@ -26,9 +28,9 @@ static void number_patches(PatchBuilder *b)
     Patches *out = b->out;
     for (uint32_t i = 0; i < out->surface_count; i++)
         for (unsigned side = 0; side < 2; side++) {
-            out->first[side][i] = PATCH_NONE;
+            out->first[side][i] = out->tree_first[side][i] = PATCH_NONE;
             if (patches_side_used(b, i, side)) {
-                out->first[side][i] = out->count;
+                out->first[side][i] = out->first_face[side][i] = out->count;
                 out->count += patches_of_side(out, b->surfaces, i);
             }
         }
@@ -46,6 +48,14 @@ static bool allocate_patches(PatchBuilder *b)
     out->area = array_create(n, sizeof *out->area, "patches", err);
     out->centre = array_create(n, sizeof *out->centre, "patches", err);
     out->normal = array_create(n, sizeof *out->normal, "patches", err);
+    out->cell = array_create(n, sizeof *out->cell, "patches", err);
+    out->first_piece = array_create((size_t)n + 1, sizeof *out->first_piece, "patches", err);
+    out->piece = array_create(0, sizeof *out->piece, "patches", err);
+    out->piece_end = array_create(0, sizeof *out->piece_end, "patches", err);
+    out->tree = array_create(0, sizeof *out->tree, "patches", err);
+    out->face_of = array_create(n, sizeof *out->face_of, "patches", err);
+    out->face_patch = array_create(n, sizeof *out->face_patch, "patches", err);
+    out->face_count = n;
     out->first_corner = array_create((size_t)n + 1, sizeof *out->first_corner, "patches", err);
     b->corner_capacity = 4 * (size_t)n;
     out->corner = array_create(b->corner_capacity, sizeof *out->corner, "patch corners", err);
@@ -111,6 +121,8 @@ static void measure_side(PatchBuilder *b, uint32_t surface, unsigned side)
         cell_centre(b, surface, cell, &at);
         out->surface[i] = surface;
         out->side[i] = (uint8_t)side;
+        out->cell[i] = cell;
+        out->face_of[i] = out->face_patch[i] = i;
         out->material[i] = surfaces_material(b->surfaces, surface, side);
         out->group[i] = surfaces_group(b->surfaces, surface, side);
         out->centre[i] = at.point;
@@ -177,6 +189,13 @@ Patches *patches_destroy(Patches *patches)
     array_free(patches->area);
     array_free(patches->centre);
     array_free(patches->normal);
+    array_free(patches->cell);
+    array_free(patches->first_piece);
+    array_free(patches->piece);
+    array_free(patches->piece_end);
+    array_free(patches->tree);
+    array_free(patches->face_of);
+    array_free(patches->face_patch);
     array_free(patches->first_corner);
     array_free(patches->corner);
     array_free(patches->position);
@@ -186,6 +205,8 @@ Patches *patches_destroy(Patches *patches)
     for (unsigned side = 0; side < 2; side++) {
         array_free(patches->first[side]);
         array_free(patches->grid_first[side]);
+        array_free(patches->first_face[side]);
+        array_free(patches->tree_first[side]);
     }
     array_free(patches);
     return NULL;

@@ -73,10 +73,7 @@ bool patches_make_vertices(PatchBuilder *b);
 /* patches_polygons.c: corners of every patch. */
 bool patches_make_polygons(PatchBuilder *b);
 
-/* patches_query.c: cell of a patch within its side. Triangles: upper 0 or 1. */
-typedef struct {
-    uint32_t i, j, upper;
-} PatchCell;
+/* patches_query.c: cell of a patch within its side. */
 PatchCell patches_cell(const Patches *patches, const Surfaces *surfaces, uint32_t surface,
                        uint32_t index);
 

@@ -89,11 +89,12 @@ void patches_point(const Patches *patches, const Surfaces *surfaces, uint32_t pa
     surfaces_point(surfaces, surface, out->s, out->t, &out->point);
     if (side == 1)
         out->point.normal = vec3_scale(out->point.normal, -1);
+    out->surface = surface;
     out->weight = triangle ? 1 : out->point.density / ((double)nu * nv * patches->area[patch]);
 }
 
 static int interpolate_triangle(const uint32_t *grid, uint32_t n, double s, double t,
-                                uint32_t vertex[4], double weight[4])
+                                uint32_t vertex[PATCH_WEIGHTS], double weight[PATCH_WEIGHTS])
 {
     const double x = fmax(s * n, 0), y = fmax(t * n, 0);
     const uint32_t j = cell_of(y, n), i = cell_of(x, n - j), row = n + 1;
@@ -119,7 +120,8 @@ static int interpolate_triangle(const uint32_t *grid, uint32_t n, double s, doub
 }
 
 int patches_interpolate(const Patches *patches, const Surfaces *surfaces, uint32_t surface,
-                        unsigned side, double s, double t, uint32_t vertex[4], double weight[4])
+                        unsigned side, double s, double t, uint32_t vertex[PATCH_WEIGHTS],
+                        double weight[PATCH_WEIGHTS])
 {
     assert(surface < patches->surface_count && side < 2);
     if (patches->first[side][surface] == PATCH_NONE)
@@ -139,4 +141,32 @@ int patches_interpolate(const Patches *patches, const Surfaces *surfaces, uint32
     weight[2] = u * v;
     weight[3] = (1 - u) * v;
     return 4;
+}
+
+double patches_weight(const Patches *patches, const Surfaces *surfaces, uint32_t patch,
+                      uint32_t surface, double s, double t)
+{
+    if (surfaces->surface[surface].kind == SURFACE_TRIANGLE)
+        return 1;
+    SurfacePoint at;
+    surfaces_point(surfaces, surface, s, t, &at);
+    const double cells = (double)patches->nu[surface] * patches->nv[surface];
+    return at.density / (cells * patches->area[patch]);
+}
+
+double patches_extent(const Patches *patches, const Surfaces *surfaces, uint32_t patch)
+{
+    (void)surfaces;
+    return sqrt(patches->area[patch]);
+}
+
+Patches *patches_split(const Patches *patches, const Surfaces *surfaces, const uint8_t *split,
+                       uint32_t **parent, Error *err)
+{
+    (void)patches;
+    (void)surfaces;
+    (void)split;
+    *parent = NULL;
+    error_set(err, ERROR_FAILED, "cannot split yet");
+    return NULL;
 }

@@ -252,6 +252,25 @@ static void tell_notes(const Builder *b, const Monitor *monitor)
 
 Surfaces *surfaces_create(const Polygons *soup, const Monitor *monitor, Error *err)
 {
+    return surfaces_repair(soup, NULL, NULL, monitor, err);
+}
+
+static bool one_part(Surfaces *out, Error *err)
+{
+    out->part = array_create(out->count, sizeof *out->part, "surfaces", err);
+    out->part_closed = array_create(1, sizeof *out->part_closed, "surfaces", err);
+    out->part_count = 1;
+    if (error_is_set(err))
+        return false;
+    out->part_closed[0] = out->closed;
+    return true;
+}
+
+Surfaces *surfaces_repair(const Polygons *soup, const SurfaceOptions *options, Defects *defects,
+                          const Monitor *monitor, Error *err)
+{
+    (void)options;
+    (void)defects;
     assert(soup != NULL && err != NULL);
     if (error_is_set(err) || !soup_fits(soup, err))
         return NULL;
@@ -260,7 +279,7 @@ Surfaces *surfaces_create(const Polygons *soup, const Monitor *monitor, Error *e
     if (b.out == NULL)
         return NULL;
     make_pieces(&b);
-    if (make_surfaces(&b))
+    if (make_surfaces(&b) && one_part(b.out, err))
         tell_notes(&b, monitor);
     weld_clear(&b.weld);
     pieces_clear(&b.pieces);
@@ -278,6 +297,10 @@ Surfaces *surfaces_destroy(Surfaces *surfaces)
         array_free(surfaces->position);
         array_free(surfaces->corner);
         array_free(surfaces->triangle_surface);
+        array_free(surfaces->stitch_first);
+        array_free(surfaces->stitch);
+        array_free(surfaces->part);
+        array_free(surfaces->part_closed);
         array_free(surfaces->shape);
         array_free(surfaces->shape_surface);
         array_free(surfaces);

@@ -12,7 +12,9 @@
  *
  * Made from the soup: positions are welded, polygons (concave, any number of corners) are cut into
  * triangles, triangles that form a planar parallelogram become one quad again, half-edges are built
- * by OpenMesh; faces it refuses keep their place with vertices of their own.
+ * by OpenMesh; faces it refuses keep their place with vertices of their own. Repaired on the way,
+ * unless switched off: duplicates merged, T-junctions stitched, edges of more than two triangles
+ * split, windings of a part made to agree.
  * Units    scene units.
  * Threads  never changes once made.
  */
@@ -24,6 +26,7 @@
 
 #include "base/error.h"
 #include "base/monitor.h"
+#include "mesh/defects.h"
 #include "mesh/polygons.h"
 
 #define SURFACE_NONE UINT32_MAX
@@ -44,6 +47,12 @@ typedef struct {
     uint32_t    neighbour[4];
 } Surface;
 
+/* A corner of another face that lies on an edge of a surface, inside it: a T-junction, stitched. */
+typedef struct {
+    uint32_t vertex;        /* index into position */
+    double   fraction;      /* of the way along the edge, 0 < fraction < 1 */
+} Stitch;
+
 /* What was found and done while connecting; all are counts. */
 typedef struct {
     uint32_t welded;        /* vertices that fell together with an earlier one */
@@ -52,7 +61,8 @@ typedef struct {
     uint32_t degenerate;    /* triangles without area: left out */
     uint32_t nonmanifold;   /* triangles at an edge that has two already: kept, linked at most to
                                others of that edge */
-    uint32_t flipped;       /* faces turned round to agree with their neighbours: none so far */
+    uint32_t flipped;       /* faces turned round to agree with their neighbours */
+    uint32_t stitched;      /* corners of other faces let into edges they lie on */
     uint32_t refused;       /* triangles the half-edge mesh would not take still: kept, unlinked */
 } Repairs;
 
@@ -64,17 +74,39 @@ typedef struct {
     uint32_t *corner;             /* [3 * triangle_count]  index into position */
     uint32_t *triangle_surface;   /* [triangle_count] */
     uint32_t  triangle_count;
+    /* edge k of surface i has stitches stitch_first[4 i + k] .. stitch_first[4 i + k + 1] - 1,
+     * fractions rising from its corner k; stitch_first is NULL when nothing was stitched */
+    uint32_t *stitch_first;       /* [4 * count + 1] */
+    Stitch   *stitch;
     Shape    *shape;              /* [shape_count] */
     uint32_t *shape_surface;      /* [shape_count] */
     uint32_t  shape_count;
     Vec3      lo, hi;             /* bounds */
     double    largest_coordinate; /* max |coordinate|, for ray_offset */
-    bool      closed;             /* every edge has two faces and no shape has a rim */
+    uint32_t *part;               /* [count]  number of the connected part a surface belongs to */
+    uint32_t  part_count;
+    uint8_t  *part_closed;        /* [part_count]  1: no rim, every edge has two faces */
+    bool      closed;             /* all parts are closed */
     Repairs   repairs;
 } Surfaces;
 
-/* owns   the caller frees with surfaces_destroy; the soup is copied, not kept.
- * fails  NULL; ERROR_MEMORY, or ERROR_INPUT when nothing with area is left. */
+/* What is not to be repaired; { 0 } repairs everything. */
+typedef struct {
+    bool   keep_apart;      /* no welding: only bit for bit equal positions are one vertex */
+    double weld;            /* > 0: welding distance in scene units, instead of the derived ones */
+    bool   keep_duplicates; /* faces that lie exactly on an earlier one stay */
+    bool   keep_junctions;  /* T-junctions stay open */
+    bool   keep_nonmanifold;/* triangles at an edge of more than two are linked to nobody there */
+    bool   keep_winding;    /* fronts stay as in the file */
+} SurfaceOptions;
+
+/* options  NULL: everything is repaired.
+ * defects  NULL, or gets whatever was found and what was done about it, face by face.
+ * owns     the caller frees with surfaces_destroy; the soup is copied, not kept.
+ * fails    NULL; ERROR_MEMORY, or ERROR_INPUT when nothing with area is left. */
+Surfaces *surfaces_repair(const Polygons *soup, const SurfaceOptions *options, Defects *defects,
+                          const Monitor *monitor, Error *err);
+/* The same without options and list. */
 Surfaces *surfaces_create(const Polygons *soup, const Monitor *monitor, Error *err);
 Surfaces *surfaces_destroy(Surfaces *surfaces);
 

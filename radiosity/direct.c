@@ -136,10 +136,11 @@ static void escape_chunk(void *context, uint32_t begin, uint32_t end, unsigned w
                           .t_max = INFINITY };
         const double share = light_share(d->light, w);
         Hit hit;
+        uint32_t surface;
         double s, t;
         sent += share;
         if (!bvh_nearest(d->room->bvh, &ray, &hit) ||
-            room_patch(d->room, &hit, w, &s, &t) == PATCH_NONE)
+            room_patch(d->room, &hit, w, &surface, &s, &t) == PATCH_NONE)
             lost += share;
     }
     d->sent[begin / ESCAPE_CHUNK] = sent;

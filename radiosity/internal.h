@@ -54,11 +54,12 @@ bool solve_progressive(const SolveSystem *system, bool ambient, Solution *soluti
 
 /* Patch, surface parameters included, that a ray along `direction` met; PATCH_NONE when it met a
  * side not in use. Cheaper than room_hit. */
-uint32_t room_patch(const Room *room, const Hit *hit, Vec3 direction, double *s, double *t);
+uint32_t room_patch(const Room *room, const Hit *hit, Vec3 direction, uint32_t *surface, double *s,
+                    double *t);
 
 /* Where a ray came to: PATCH_NONE at a side not in use. */
 typedef struct {
-    uint32_t patch;
+    uint32_t patch, surface;
     bool     escaped;
     double   s, t;
 } RayEnd;

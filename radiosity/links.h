@@ -55,6 +55,14 @@ typedef struct {
  * fails  NULL; ERROR_MEMORY, also over max_bytes, with what it would take; ERROR_STOPPED. */
 Links *links_create(const Room *room, const LinksOptions *options, const Monitor *monitor,
                     Error *err);
+/* Links of a room whose patches were divided further (patches_split): old are the links before, as
+ * cast, and parent [room->patches->count] says which old patch each is or is part of. Only the rows
+ * of parts are cast. All other rows keep what they have; where they name a patch that was divided,
+ * its parts share that factor in proportion to what their own rows say by reciprocity, or by area
+ * where these say nothing: sums of rows do not change.
+ * fails  as links_create. */
+Links *links_refine(const Links *old, const Room *room, const uint32_t *parent,
+                    const LinksOptions *options, const Monitor *monitor, Error *err);
 /* Frees; NULL is allowed. Always returns NULL. */
 Links *links_destroy(Links *links);
 /* Measures the links as they are. */

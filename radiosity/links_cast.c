@@ -85,7 +85,7 @@ static uint32_t judge_positions(RowCast *row, const Room *room)
         end->escaped = row->hit[k].primitive == RAY_MISS;
         end->patch = end->escaped ? PATCH_NONE
                                   : room_patch(room, &row->hit[k], ray_direction(&row->ray[k]),
-                                               &end->s, &end->t);
+                                               &end->surface, &end->s, &end->t);
         end->escaped = end->escaped || (room->sides_given && end->patch == PATCH_NONE);
         if (end->escaped || end->patch != PATCH_NONE)
             p->good++;

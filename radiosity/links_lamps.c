@@ -68,19 +68,6 @@ uint32_t lamp_table_choose(const LampTable *lamps, double u, double *rest)
     return lamps->patch[low];
 }
 
-/* How much more thinly than evenly patches_point spreads its points at (s, t): PatchPoint.weight of
- * any place. 1 on triangles, whose density is the same all over. */
-static double point_weight(const Room *room, uint32_t patch, double s, double t)
-{
-    const uint32_t surface = room->patches->surface[patch];
-    if (room->surfaces->surface[surface].kind == SURFACE_TRIANGLE)
-        return 1;
-    SurfacePoint at;
-    surfaces_point(room->surfaces, surface, s, t, &at);
-    const double cells = (double)room->patches->nu[surface] * room->patches->nv[surface];
-    return at.density / (cells * room->patches->area[patch]);
-}
-
 static double density_at(const Room *room, const LampTable *lamps, uint32_t patch, double weight,
                          double distance, double cosine)
 {
@@ -93,7 +80,8 @@ double lamp_density(const Room *room, const LampTable *lamps, const RayEnd *end,
 {
     if (!(cosine > 0))
         return INFINITY; /* a grazing hit: the lamp's own samples see it as well as none */
-    const double weight = point_weight(room, end->patch, end->s, end->t);
+    const double weight = patches_weight(room->patches, room->surfaces, end->patch, end->surface,
+                                         end->s, end->t);
     return density_at(room, lamps, end->patch, weight, distance, cosine);
 }
 

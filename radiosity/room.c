@@ -12,12 +12,13 @@ static unsigned side_hit(Vec3 front, Vec3 direction)
     return vec3_dot(front, direction) > 0 ? 1 : 0;
 }
 
-uint32_t room_patch(const Room *room, const Hit *hit, Vec3 direction, double *s, double *t)
+uint32_t room_patch(const Room *room, const Hit *hit, Vec3 direction, uint32_t *surface, double *s,
+                    double *t)
 {
-    const uint32_t surface = surfaces_of_primitive(room->surfaces, hit->primitive);
+    *surface = surfaces_of_primitive(room->surfaces, hit->primitive);
     const Vec3 front = surfaces_normal(room->surfaces, hit->primitive, hit->u, hit->v);
     surfaces_parameters(room->surfaces, hit->primitive, hit->u, hit->v, s, t);
-    return patches_at(room->patches, room->surfaces, surface, side_hit(front, direction), *s, *t);
+    return patches_at(room->patches, room->surfaces, *surface, side_hit(front, direction), *s, *t);
 }
 
 void room_hit(const Room *room, const Hit *hit, Vec3 direction, RoomHit *out)

@@ -148,8 +148,8 @@ WaveEnd wave_end(const Gatherer *gatherer, const Ray *ray, const Hit *hit)
 Rgb wave_radiosity(const Gatherer *gatherer, const WaveEnd *end)
 {
     const Room *room = gatherer->room;
-    uint32_t    vertex[4];
-    double      weight[4];
+    uint32_t    vertex[PATCH_WEIGHTS];
+    double      weight[PATCH_WEIGHTS];
     const int   n = patches_interpolate(room->patches, room->surfaces, end->surface, end->side,
                                         end->s, end->t, vertex, weight);
     Rgb b = { 0, 0, 0 };

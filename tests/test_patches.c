@@ -126,8 +126,8 @@ static void test_interpolation(void **state)
             t = 1 - t;
         }
         SurfacePoint at;
-        uint32_t vertex[4];
-        double weight[4], sum = 0, value = 0;
+        uint32_t vertex[PATCH_WEIGHTS];
+        double weight[PATCH_WEIGHTS], sum = 0, value = 0;
         surfaces_point(m.surfaces, f, s, t, &at);
         const int n = patches_interpolate(m.patches, m.surfaces, f, side, s, t, vertex, weight);
         assert_int_equal(n, f == 0 ? 4 : 3);
@@ -153,8 +153,8 @@ static void test_seams(void **state)
             continue;
         for (int k = 0; k < 100; k++) {
             const double t = k / 99.0;
-            uint32_t left[4], right[4];
-            double wl[4], wr[4];
+            uint32_t left[PATCH_WEIGHTS], right[PATCH_WEIGHTS];
+            double wl[PATCH_WEIGHTS], wr[PATCH_WEIGHTS];
             patches_interpolate(m.patches, m.surfaces, f, 0, 0, t, left, wl);
             patches_interpolate(m.patches, m.surfaces, f, 0, 1, t, right, wr);
             assert_int_equal(left[0], right[1]);
@@ -177,8 +177,8 @@ static void test_edge_continuity(void **state)
     for (int k = 0; k <= 100; k++) {
         double value[2] = { 0, 0 };
         for (uint32_t f = 0; f < 2; f++) {
-            uint32_t vertex[4];
-            double weight[4];
+            uint32_t vertex[PATCH_WEIGHTS];
+            double weight[PATCH_WEIGHTS];
             /* x is s or t or their mirror, whichever way the square starts: look for the point */
             SurfacePoint at;
             const double y = k / 100.0;
@@ -270,8 +270,8 @@ static void test_sides(void **state)
             const bool used = sides[f] >> side & 1;
             assert_int_equal(m.patches->first[side][f], used ? next : PATCH_NONE);
             next += used ? 4 : 0;
-            uint32_t vertex[4];
-            double weight[4];
+            uint32_t vertex[PATCH_WEIGHTS];
+            double weight[PATCH_WEIGHTS];
             assert_int_equal(patches_interpolate(m.patches, m.surfaces, f, side, 0.5, 0.5, vertex,
                                                  weight), used ? 4 : 0);
             if (!used)

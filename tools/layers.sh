@@ -10,11 +10,12 @@ layers='base
 math base
 mesh base math
 raycast base math
+inspect base math mesh raycast
 scenes base math mesh raycast
 radiosity base math mesh raycast scenes
 render base math mesh raycast scenes radiosity
 viewer base math mesh raycast scenes radiosity render
-app base math mesh raycast scenes radiosity render viewer'
+app base math mesh raycast inspect scenes radiosity render viewer'
 
 # Headers of the language and the system: not outside libraries.
 system='arpa/inet|assert|complex|ctype|dirent|dlfcn|endian|err|errno|execinfo|fcntl|fenv|float|fnmatch|ftw|

@@ -11,10 +11,10 @@ command -v ctags >/dev/null || {
     exit 1
 }
 
-product=$(ls {base,math,mesh,raycast,scenes,radiosity,render,viewer,app}/*.{c,h,cpp} 2>/dev/null)
+product=$(ls {base,math,mesh,raycast,inspect,scenes,radiosity,render,viewer,app}/*.{c,h,cpp} 2>/dev/null)
 tests=$(ls tests/*.{c,h} tests/fuzz/*.{c,h} 2>/dev/null)
 sources=$(echo "$product" | grep -v '\.h$')
-public=$(tools/headers.sh base math mesh raycast scenes radiosity render)
+public=$(tools/headers.sh base math mesh raycast inspect scenes radiosity render)
 lines=$(cat $product | wc -l)
 status=0
 
