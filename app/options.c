@@ -28,8 +28,8 @@ _Static_assert(EMIT_AUTO == 0 && EMIT_FRONT == 1 && EMIT_BACK == 2 && EMIT_BOTH 
 
 static const OptionRow option_rows[OPTION_COUNT] = {
     { OPTION_OUTPUT, "-o", "FILE",
-      COMMAND_RENDER | COMMAND_SOLVE | COMMAND_FACTORS | COMMAND_MEASURE, KIND_TEXT, FIELD(output),
-      0, 0, NULL, "result file; - is standard output (not for pictures)" },
+      COMMAND_RENDER | COMMAND_SOLVE | COMMAND_FACTORS | COMMAND_MEASURE | COMMAND_CHECK, KIND_TEXT,
+      FIELD(output), 0, 0, NULL, "result file; - is standard output (not for pictures)" },
     { OPTION_JSON, "--json", "FILE", ALL_BITS, KIND_TEXT, FIELD(json), 0, 0, NULL,
       "summary as JSON; - is standard output" },
     { OPTION_QUALITY, "--quality", "LEVEL", LINKING, KIND_CHOICE, FIELD(quality), 0, 0,
@@ -50,6 +50,17 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       NULL, "greatest patch edge in scene units" },
     { OPTION_PATCHES, "--patches", "N", LINKING, KIND_COUNT, FIELD(patches), 1, UINT32_MAX / 2,
       NULL, "total number of patches aimed at" },
+    { OPTION_ADAPT, "--adapt", NULL, SOLVING, KIND_FLAG, FIELD(adapt), 0, 0, NULL,
+      "divide patches where light changes (default from quality medium on)" },
+    { OPTION_NO_ADAPT, "--no-adapt", NULL, SOLVING, KIND_FLAG, FIELD(no_adapt), 0, 0, NULL,
+      "patches of one size everywhere" },
+    { OPTION_LEAST_SIZE, "--least-size", "L", SOLVING, KIND_NUMBER, FIELD(least_size), 1e-30, BIG,
+      NULL, "--adapt makes no patch edge shorter (default 1/16 of the greatest)" },
+    { OPTION_REPAIR, "--repair", "LIST", READING, KIND_SET, FIELD(repair), 0, 0,
+      "weld,duplicates,junctions,nonmanifold,winding",
+      "all (default), none, or a list; all,-winding leaves one out" },
+    { OPTION_WELD, "--weld", "L", READING, KIND_NUMBER, FIELD(weld), 0, BIG, NULL,
+      "corners nearer than this are one (default: from the scene's rounding)" },
     { OPTION_RAYS, "--rays", "N", LINKING, KIND_COUNT, FIELD(rays), 1, 1 << 24, NULL,
       "hemisphere rays per patch" },
     { OPTION_LAMP_RAYS, "--lamp-rays", "N", LINKING, KIND_COUNT, FIELD(lamp_rays), 1, 1 << 24,
@@ -95,12 +106,16 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       "auto,front,both", "sides that take part (default auto: what light or eye can reach)" },
     { OPTION_UNITS, "--units", "LABEL", SOLVING, KIND_CHOICE, FIELD(units), 0, 0,
       "photometric,radiometric", "what the file's values are called; nothing is converted" },
-    { OPTION_UNIT_M, "--unit-m", "X", SOLVING, KIND_NUMBER, FIELD(unit_m), 1e-12, 1e12, NULL,
+    { OPTION_UNIT_M, "--unit-m", "X", SOLVING | COMMAND_CHECK, KIND_NUMBER, FIELD(unit_m), 1e-12, 1e12, NULL,
       "length of a scene unit in metres (default 1)" },
     { OPTION_FILTER, "--filter", "TEXT", COMMAND_VALIDATE, KIND_TEXT, FIELD(filter), 0, 0, NULL,
       "only cases whose name contains this" },
     { OPTION_LAMP, "--lamp", "L", COMMAND_COMPARE, KIND_NUMBER, FIELD(lamp), 1e-30, BIG, NULL,
       "luminance from which a pixel is lamp and left out (default 5)" },
+    { OPTION_SAMPLES, "--samples", "N", COMMAND_COMPARE, KIND_COUNT, FIELD(samples), 1, 1 << 28,
+      NULL, "points at which two solutions are compared (default 100000)" },
+    { OPTION_CONSTANT, "--constant", NULL, COMMAND_COMPARE, KIND_FLAG, FIELD(constant), 0, 0, NULL,
+      "compare each patch's own value, not what its vertices interpolate" },
     { OPTION_HELP, "--help", NULL, ALL_BITS, KIND_FLAG, FIELD(help), 0, 0, NULL, "this page" },
 };
 
@@ -162,6 +177,9 @@ static bool unknown_option(const char *name, Command command, Error *err)
 
 static bool wrong_value(const OptionRow *row, const char *text, Error *err)
 {
+    if (row->kind == KIND_SET)
+        return error_set(err, ERROR_USAGE, "%s '%s' is not a list of all,none,%s, or of these with "
+                         "- before them", row->name, text, row->words);
     if (row->kind == KIND_CHOICE)
         return error_set(err, ERROR_USAGE, "%s '%s' is not one of %s", row->name, text, row->words);
     if (row->kind == KIND_COUNT || row->kind == KIND_NUMBER)
@@ -170,6 +188,7 @@ static bool wrong_value(const OptionRow *row, const char *text, Error *err)
                          row->high);
     static const char *const forms[] = {
         [KIND_BYTES] = "a size like 512MB",        [KIND_SECONDS] = "a time like 30s or 5min",
+        [KIND_SET] = "a list like all,-winding",
         [KIND_PIXELS] = "a size like 640x480",     [KIND_VECTOR] = "three numbers like 1,2.5,-3",
         [KIND_EXPOSURE] = "a number of stops or auto",
     };
@@ -210,6 +229,9 @@ static bool store_value(Options *options, const OptionRow *row, const char *text
     case KIND_CHOICE:
         *(int *)field = value_choice(text, row->words);
         good = *(int *)field >= 0;
+        break;
+    case KIND_SET:
+        good = value_set(text, row->words, field);
         break;
     case KIND_PIXELS:
         good = value_pixels(text, field);
@@ -280,8 +302,12 @@ static bool options_agree(const Options *options, Error *err)
     if (options->output != NULL && options->json != NULL && strcmp(options->output, "-") == 0 &&
         strcmp(options->json, "-") == 0)
         return error_set(err, ERROR_USAGE, "-o - and --json - cannot share standard output");
-    if (options_given(options, OPTION_PATCH_SIZE) && options_given(options, OPTION_PATCHES))
-        return error_set(err, ERROR_USAGE, "give --patch-size or --patches, not both");
+    if (options_given(options, OPTION_PATCH_SIZE) && options_given(options, OPTION_PATCHES) &&
+        !options->adapt)
+        return error_set(err, ERROR_USAGE, "give --patch-size or --patches, not both, but for "
+                         "--adapt, which takes the greatest size and the total");
+    if (options->adapt && options->no_adapt)
+        return error_set(err, ERROR_USAGE, "give --adapt or --no-adapt, not both");
     if (options->camera != NULL && options_given(options, OPTION_EYE))
         return error_set(err, ERROR_USAGE, "give --camera or --eye, not both");
     if (options_given(options, OPTION_TARGET) && !options_given(options, OPTION_EYE))
@@ -295,7 +321,8 @@ bool options_parse(Options *options, int argc, char **argv, Error *err)
 {
     assert(options != NULL && argc >= 1 && err != NULL);
     *options = (Options){ .command = command_from_name(argv[0]), .quality = QUALITY_MEDIUM,
-                          .closure = CLOSURE_BOTH, .unit_m = 1, .argc = argc, .argv = argv };
+                          .closure = CLOSURE_BOTH, .unit_m = 1,
+                          .repair = (1u << REPAIR_COUNT) - 1, .argc = argc, .argv = argv };
     if (options->command == COMMAND_NONE)
         return error_set(err, ERROR_USAGE, "unknown command '%s'; see isolux --help", argv[0]);
     bool options_end = false;

@@ -33,6 +33,15 @@ typedef enum { PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_JSON, PROGRESS_NONE } Pro
 typedef enum { BY_GROUP, BY_MATERIAL, BY_PATCH } FactorsBy;
 typedef enum { UNITS_PHOTOMETRIC, UNITS_RADIOMETRIC } Units;
 typedef enum { USE_AUTO, USE_FRONT, USE_BOTH } UseSides;
+/* The order of the words of --repair. */
+typedef enum {
+    REPAIR_WELD,
+    REPAIR_DUPLICATES,
+    REPAIR_JUNCTIONS,
+    REPAIR_NONMANIFOLD,
+    REPAIR_WINDING,
+    REPAIR_COUNT
+} RepairBit;
 
 typedef enum {
     OPTION_OUTPUT,
@@ -46,6 +55,11 @@ typedef enum {
     OPTION_TIME_LIMIT,
     OPTION_PATCH_SIZE,
     OPTION_PATCHES,
+    OPTION_ADAPT,
+    OPTION_NO_ADAPT,
+    OPTION_LEAST_SIZE,
+    OPTION_REPAIR,
+    OPTION_WELD,
     OPTION_RAYS,
     OPTION_LAMP_RAYS,
     OPTION_CLOSURE,
@@ -71,6 +85,8 @@ typedef enum {
     OPTION_UNIT_M,
     OPTION_FILTER,
     OPTION_LAMP,
+    OPTION_SAMPLES,
+    OPTION_CONSTANT,
     OPTION_HELP,
     OPTION_COUNT
 } OptionId;
@@ -82,11 +98,13 @@ typedef struct Options {
     uint64_t    given;       /* bit OptionId: it was on the command line */
     const char *output, *json, *camera, *points, *filter;
     int         quality, progress, closure, solver, by, emit, sides, units, light;
-    bool        print_config, diffuse, help;
+    bool        print_config, diffuse, help, adapt, no_adapt, constant;
+    uint32_t    repair;      /* bit RepairBit: do it */
+    uint32_t    samples;     /* compare: points of a solution; 0: not given */
     uint32_t    threads, seed, patches, rays, lamp_rays, max_iterations, spp, gather_rays;
     uint64_t    max_memory;  /* bytes */
     double      time_limit;  /* seconds */
-    double      patch_size, tolerance, fov, unit_m, lamp;
+    double      patch_size, least_size, weld, tolerance, fov, unit_m, lamp;
     double      exposure;    /* EV; meaningful only when exposure_set */
     bool        exposure_set;
     int         size[2];     /* width, height */
@@ -103,6 +121,7 @@ typedef enum {
     KIND_BYTES,    /* uint64_t: 512MB */
     KIND_SECONDS,  /* double: 30s 5min */
     KIND_CHOICE,   /* int: position in the list of words */
+    KIND_SET,      /* uint32_t, bit k: word k of the list is in it: all,-winding */
     KIND_PIXELS,   /* int[2]: 640x480 */
     KIND_VECTOR,   /* Vec3: x,y,z */
     KIND_EXPOSURE  /* double EV, or the word auto */
@@ -146,6 +165,9 @@ bool value_pixels(const char *text, int value[2]);
 bool value_vector(const char *text, Vec3 *value);
 /* Position of a word in "a,b,c", or -1. */
 int value_choice(const char *text, const char *words);
+/* A set of words: "all", "none", and words that are added or, with a - before them, taken out, from
+ * left to right; starts empty, or full when the first one is taken out. */
+bool value_set(const char *text, const char *words, uint32_t *value);
 /* The word at a position of "a,b,c" into out. */
 void value_word(const char *words, int position, char *out, size_t size);
 

@@ -153,6 +153,31 @@ int value_choice(const char *text, const char *words)
     return -1;
 }
 
+bool value_set(const char *text, const char *words, uint32_t *value)
+{
+    char word[32];
+    uint32_t all = 1, set = *text == '-' ? UINT32_MAX : 0;
+    for (const char *p = words; (p = strchr(p, ',')) != NULL; p++)
+        all = all << 1 | 1;
+    for (const char *p = text; p != NULL; p = strchr(p, ',')) {
+        p += p != text;
+        const bool out = *p == '-';
+        const size_t length = strcspn(p + out, ",");
+        if (length >= sizeof word)
+            return false;
+        memcpy(word, p + out, length);
+        word[length] = '\0';
+        const int position = value_choice(word, words);
+        const bool every = strcmp(word, "all") == 0, none = strcmp(word, "none") == 0;
+        if (position < 0 && !every && !none)
+            return false;
+        const uint32_t bits = every ? all : none ? 0 : 1u << position;
+        set = none ? (out ? all : 0) : out ? set & ~bits : set | bits;
+    }
+    *value = set & all;
+    return true;
+}
+
 void value_word(const char *words, int position, char *out, size_t size)
 {
     assert(words != NULL && position >= 0 && size > 0);

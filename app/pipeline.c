@@ -113,8 +113,11 @@ static bool build_surfaces(Pipeline *pipeline, Error *err)
     const double begin = progress_now();
     begin_stage(pipeline, STAGE_MESH);
     Error found = *err;
-    pipeline->surfaces = surfaces_create(&pipeline->scene->polygons, &pipeline->session->monitor,
-                                         &found);
+    const Session *session = pipeline->session;
+    Defects *defects = session->options.command == COMMAND_CHECK ? &pipeline->defects : NULL;
+    defects_clear(&pipeline->defects);
+    pipeline->surfaces = surfaces_repair(&pipeline->scene->polygons, &session->settings.repair,
+                                         defects, &session->monitor, &found);
     /* The mesh knows no file; whoever reads the message needs its name. */
     if (found.code == ERROR_INPUT && !error_is_set(err))
         error_at(err, ERROR_INPUT, pipeline->scene->file, 0, "%.400s", found.text);
@@ -276,7 +279,8 @@ bool pipeline_patches(Pipeline *pipeline, Error *err)
         return false;
     const double begin = progress_now();
     const PatchOptions po = { .size = session->settings.patch_size,
-                              .wanted = session->settings.patches, .sides = pipeline->sides };
+                              .wanted = session->settings.patches, .sides = pipeline->sides,
+                              .emitting = pipeline->emitting };
     do {
         pipeline->patches = patches_create(pipeline->surfaces, &po, &session->monitor, err);
     } while (pipeline->patches == NULL && hurry_instead(pipeline, err));
@@ -444,5 +448,6 @@ void pipeline_clear(Pipeline *pipeline)
     bvh_destroy(pipeline->bvh);
     surfaces_destroy(pipeline->surfaces);
     scene_destroy(pipeline->scene);
+    defects_clear(&pipeline->defects);
     *pipeline = (Pipeline){ .session = pipeline->session };
 }

@@ -26,6 +26,7 @@ typedef enum {
 typedef struct Pipeline {
     Session     *session;
     Scene       *scene;
+    Defects      defects;      /* found and repaired while connecting; for check alone */
     Surfaces    *surfaces;
     Bvh         *bvh;
     uint8_t     *sides, *emitting;  /* [surfaces->count] */

@@ -22,6 +22,25 @@ static const Level levels[] = {
     [QUALITY_FINAL] = { 40000, 1024, 256, 1024, 4, 65536, 1e-8 },
 };
 
+/* By default only where the number of patches is free: who asks for a size means it. */
+static bool adapts(const Options *options)
+{
+    const bool can = (options_table()[OPTION_ADAPT].commands & (unsigned)options->command) != 0;
+    const bool by_default = options->quality >= QUALITY_MEDIUM && !(options->patch_size > 0);
+    return can && !options->no_adapt && (options->adapt || by_default);
+}
+
+static SurfaceOptions repair_options(const Options *options)
+{
+    const uint32_t repair = options->repair;
+    return (SurfaceOptions){ .keep_apart = (repair >> REPAIR_WELD & 1) == 0,
+                             .weld = options->weld,
+                             .keep_duplicates = (repair >> REPAIR_DUPLICATES & 1) == 0,
+                             .keep_junctions = (repair >> REPAIR_JUNCTIONS & 1) == 0,
+                             .keep_nonmanifold = (repair >> REPAIR_NONMANIFOLD & 1) == 0,
+                             .keep_winding = (repair >> REPAIR_WINDING & 1) == 0 };
+}
+
 Settings quality_settings(const Options *options)
 {
     assert(options->quality >= QUALITY_DRAFT && options->quality <= QUALITY_FINAL);
@@ -36,8 +55,11 @@ Settings quality_settings(const Options *options)
         s.patches = options->patches;
     if (options->patch_size > 0) {
         s.patch_size = options->patch_size;
-        s.patches = 0;
+        s.patches = options->patches;
     }
+    s.adapt = adapts(options);
+    s.least_size = options->least_size;
+    s.repair = repair_options(options);
     if (options->rays > 0) {
         s.rays = options->rays;
         s.lamp_rays = options->rays / 4 > 0 ? options->rays / 4 : 1;
@@ -63,6 +85,23 @@ static void print_choice(FILE *out, const Options *options, OptionId id, int val
     fprintf(out, "%s %s\n", row->name + 2, word);
 }
 
+static void print_repair(FILE *out, const Options *options)
+{
+    const OptionRow *row = &options_table()[OPTION_REPAIR];
+    char word[32];
+    if ((row->commands & (unsigned)options->command) == 0)
+        return;
+    fprintf(out, "%s ", row->name + 2);
+    bool any = false;
+    for (int k = 0; k < REPAIR_COUNT; k++)
+        if ((options->repair >> k & 1) != 0) {
+            value_word(row->words, k, word, sizeof word);
+            fprintf(out, "%s%s", any ? "," : "", word);
+            any = true;
+        }
+    fputs(any ? "\n" : "none\n", out);
+}
+
 static void print_value(FILE *out, const Options *options, OptionId id, double value)
 {
     const OptionRow *row = &options_table()[id];
@@ -75,6 +114,11 @@ void quality_print(FILE *out, const Options *options, const Settings *s)
     print_choice(out, options, OPTION_QUALITY, options->quality);
     print_value(out, options, OPTION_PATCH_SIZE, s->patch_size);
     print_value(out, options, OPTION_PATCHES, s->patches);
+    if ((options_table()[OPTION_ADAPT].commands & (unsigned)options->command) != 0)
+        fprintf(out, "%s\n", s->adapt ? "adapt" : "no-adapt");
+    print_value(out, options, OPTION_LEAST_SIZE, s->least_size);
+    print_repair(out, options);
+    print_value(out, options, OPTION_WELD, options->weld);
     print_value(out, options, OPTION_RAYS, s->rays);
     print_value(out, options, OPTION_LAMP_RAYS, s->lamp_rays);
     print_choice(out, options, OPTION_CLOSURE, (int)s->closure);

@@ -6,12 +6,16 @@
 #include <stdio.h>
 
 #include "app/options.h"
+#include "mesh/surfaces.h"
 #include "radiosity/links.h"
 #include "radiosity/solve.h"
 
 typedef struct {
     double   patch_size;     /* scene units; 0: from patches */
     uint32_t patches;
+    bool     adapt;          /* divide where light changes, up to `patches` */
+    double   least_size;     /* shortest patch edge of adapt; 0: a share of the greatest */
+    SurfaceOptions repair;
     uint32_t rays, lamp_rays;
     Closure  closure;
     Solver   solver;

@@ -61,6 +61,7 @@ static void put_mesh(Json *json, const Pipeline *pipeline)
     json_count(json, "degenerate", s->repairs.degenerate);
     json_count(json, "nonmanifold", s->repairs.nonmanifold);
     json_count(json, "flipped", s->repairs.flipped);
+    json_count(json, "stitched", s->repairs.stitched);
     json_count(json, "refused", s->repairs.refused);
     json_close(json, '}');
     if (pipeline->sides != NULL) {
