@@ -73,6 +73,17 @@ bool patches_make_vertices(PatchBuilder *b);
 /* patches_polygons.c: corners of every patch. */
 bool patches_make_polygons(PatchBuilder *b);
 
+/* patches_merge.c: neighbours with like normals and the same material, grown to about `size` across.
+ * cluster [2 * surfaces->count]: number of the cluster of (surface, side), at 2 * surface + side, or
+ * PATCH_NONE: to be cut on a grid. Clusters have two or more pieces and are numbered from 0 in the
+ * order of their first piece; only sides in use have one. */
+bool merge_small(const Surfaces *surfaces, const PatchOptions *options, double size,
+                 uint32_t *cluster, uint32_t *cluster_count, Error *err);
+/* Parts of one cluster's pieces, piece [count] on `side`: part[k] gets 0 .. parts - 1, parts >= 2,
+ * by place, of about equal area, connected where that can be. */
+bool merge_split(const Surfaces *surfaces, unsigned side, const uint32_t *piece, uint32_t count,
+                 uint32_t *part, uint32_t *parts, Error *err);
+
 /* patches_query.c: cell of a patch within its side. */
 PatchCell patches_cell(const Patches *patches, const Surfaces *surfaces, uint32_t surface,
                        uint32_t index);
