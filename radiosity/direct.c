@@ -61,7 +61,8 @@ static double sum_arriving(DirectPass *d, DirectScratch *s, uint32_t patch, cons
 {
     const Room *room = d->room;
     const uint32_t count = cast != NULL ? cast->valid_count : d->samples;
-    const uint32_t seed = sampling_seed(d->seed, patch, SEED_LIGHTS, d->index);
+    const uint32_t seed = sampling_seed(d->seed, room_patch_key(room, patch), SEED_LIGHTS,
+                                        d->index);
     uint32_t aimed = 0;
     *total = 0;
     for (uint32_t k = 0; k < count; k++) {

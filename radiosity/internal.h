@@ -66,7 +66,11 @@ typedef struct {
 
 /* Seeds of what is sampled here differ by these, so that no two use the same points. */
 enum { SEED_ROWS = 0x726f7773, SEED_LAMPS = 0x6c616d70, SEED_LIGHTS = 0x6c697465,
-       SEED_SIDES = 0x73696465 };
+       SEED_SIDES = 0x73696465, SEED_PARTS = 0x70617274, SEED_ADAPT = 0x61647074 };
+
+/* Stands for a patch in seeds: where it lies, not its number, so that a patch keeps its rays when
+ * others are divided. */
+uint32_t room_patch_key(const Room *room, uint32_t patch);
 
 /* --- lamps ------------------------------------------------------------------------------------ */
 
@@ -135,6 +139,56 @@ void row_cast_add(RowCast *row, uint32_t patch, double share);
 /* Adds what the lamps' own samples find, beside `hemisphere_rays` rays of the patch itself. */
 void row_cast_lamps(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch,
                     uint32_t seed, double hemisphere_rays);
+
+/* --- rows in parallel ------------------------------------------------------------------------- */
+
+/* Patches a thread takes at a time: some 10^4 rays, a few milliseconds. */
+enum { MAKER_CHUNK = 64 };
+
+/* Rows of one chunk, packed one after the other. */
+typedef struct {
+    uint32_t *source;
+    float    *form_factor;
+    uint64_t  links;
+} RowChunk;
+
+/* The chunk that a thread is at. */
+typedef struct {
+    uint32_t *source;
+    float    *form_factor;
+    size_t    source_capacity, factor_capacity;
+    uint64_t  links, row;  /* row: where the current one begins */
+    Error     error;
+} RowBuffer;
+
+typedef struct {
+    const Room *room;
+    LampTable   lamps;
+    uint32_t    seed;
+    unsigned    threads;
+    RowCast    *row;       /* [threads] */
+    RowBuffer  *buffer;    /* [threads] */
+    RowChunk   *chunk;     /* [chunks] */
+    uint32_t    chunks, count;
+    uint32_t   *length;    /* [count]  links in the row */
+    float      *escape;    /* [count] */
+    double     *area;      /* [count] */
+    double      begun;     /* clock */
+} RowMaker;
+
+/* On failure to be cleared as well. */
+bool row_maker_create(RowMaker *maker, const Room *room, const LinksOptions *options, Error *err);
+void row_maker_clear(RowMaker *maker);
+/* A link of the thread's current row, sources rising. */
+void row_maker_add(RowMaker *maker, unsigned worker, uint32_t source, float form_factor);
+/* The current row is that of patch `row`, and complete. */
+void row_maker_end(RowMaker *maker, unsigned worker, uint32_t row, float escape, double area);
+/* Both, by rays. */
+void row_maker_cast(RowMaker *maker, uint32_t row, unsigned worker);
+/* The chunk that begins at row `begin` is complete. */
+void row_maker_keep(RowMaker *maker, uint32_t begin, unsigned worker);
+/* All chunks as links, once; they are gone afterwards. */
+Links *row_maker_gather(RowMaker *maker, Error *err);
 
 /* --- links ------------------------------------------------------------------------------------ */
 

@@ -209,7 +209,7 @@ static void gather_row(RowCast *row)
 uint32_t row_cast_positions(RowCast *row, const Room *room, uint32_t patch, uint32_t seed)
 {
     assert(patch < room->patches->count && row->rays > 0);
-    make_rays(row, room, patch, sampling_seed(seed, patch, SEED_ROWS, 0));
+    make_rays(row, room, patch, sampling_seed(seed, room_patch_key(room, patch), SEED_ROWS, 0));
     bvh_nearest_many(room->bvh, row->ray, row->hit, row->rays);
     row->cast += row->rays;
     return judge_positions(row, room);
@@ -225,8 +225,8 @@ void row_cast_run(RowCast *row, const Room *room, const LampTable *lamps, uint32
     if (rays > 0) {
         add_hemisphere(row, room, lamps, rays);
         if (lamps->count > 0 && row->lamp_rays > 0)
-            row_cast_lamps(row, room, lamps, patch, sampling_seed(seed, patch, SEED_LAMPS, 0),
-                           rays);
+            row_cast_lamps(row, room, lamps, patch,
+                           sampling_seed(seed, room_patch_key(room, patch), SEED_LAMPS, 0), rays);
     }
     row->escape = fmin(row->escape, 1);
     gather_row(row);

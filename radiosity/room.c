@@ -4,6 +4,7 @@
 
 #include <assert.h>
 
+#include "math/sampling.h"
 #include "radiosity/internal.h"
 
 /* The side that a ray along `direction` runs into, given the front normal. */
@@ -44,4 +45,13 @@ Rgb room_emission(const Room *room, uint32_t patch)
     if (((room->emitting[surface] >> room->patches->side[patch]) & 1) == 0)
         return rgb(0, 0, 0);
     return rgb_scale(room->materials[room->patches->material[patch]].emission, M_PI);
+}
+
+uint32_t room_patch_key(const Room *room, uint32_t patch)
+{
+    const Patches *patches = room->patches;
+    const PatchCell cell = patches->cell[patch];
+    const uint32_t which = (uint32_t)cell.level << 2 | (uint32_t)cell.upper << 1 |
+                           patches->side[patch];
+    return sampling_seed(patches->surface[patch], cell.i, cell.j, which);
 }

@@ -12,12 +12,12 @@
 
 #include "tests/room_maker.h"
 
-static Direct direct_of(const TestRoom *r, bool balance, uint32_t samples)
+static Direct direct_of(const TestRoom *r, bool balance, uint32_t seed)
 {
     Error err = { 0 };
     Direct direct;
     Links *links = room_links(r, 16, CLOSURE_NONE);
-    const DirectOptions o = { .balance = balance, .samples = samples };
+    const DirectOptions o = { .balance = balance, .seed = seed };
     assert_true(direct_create(&r->room, links, &o, &direct, NULL, &err));
     links_destroy(links);
     return direct;

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* radiosity/links_rows.c -- rows made by many threads, kept in chunks, put together in order. */
+#include <assert.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/array.h"
+#include "base/parallel.h"
+#include "radiosity/internal.h"
+
+static const uint32_t DEFAULT_RAYS = 256;
+static const char what[] = "the casting of form factors";
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+bool row_maker_create(RowMaker *m, const Room *room, const LinksOptions *options, Error *err)
+{
+    const uint32_t rays = options->rays > 0 ? options->rays : DEFAULT_RAYS;
+    const uint32_t lamp_rays = options->lamp_rays > 0 ? options->lamp_rays : (rays + 3) / 4;
+    *m = (RowMaker){ .room = room, .seed = options->seed, .count = room->patches->count,
+                     .threads = parallel_threads(options->threads), .begun = now() };
+    m->chunks = (m->count + MAKER_CHUNK - 1) / MAKER_CHUNK;
+    m->row = array_create(m->threads, sizeof *m->row, what, err);
+    m->buffer = array_create(m->threads, sizeof *m->buffer, what, err);
+    m->chunk = array_create(m->chunks, sizeof *m->chunk, what, err);
+    m->length = array_create(m->count, sizeof *m->length, what, err);
+    m->escape = array_create(m->count, sizeof *m->escape, what, err);
+    m->area = array_create(m->count, sizeof *m->area, what, err);
+    if (error_is_set(err) || !lamp_table_create(room, &m->lamps, err))
+        return false;
+    const uint32_t from_lamps = m->lamps.count > 0 ? lamp_rays : 0;
+    for (unsigned k = 0; k < m->threads; k++)
+        row_cast_create(&m->row[k], rays, from_lamps, err);
+    return !error_is_set(err);
+}
+
+void row_maker_clear(RowMaker *m)
+{
+    for (unsigned k = 0; k < m->threads && m->row != NULL; k++)
+        row_cast_clear(&m->row[k]);
+    for (unsigned k = 0; k < m->threads && m->buffer != NULL; k++) {
+        array_free(m->buffer[k].source);
+        array_free(m->buffer[k].form_factor);
+    }
+    for (uint32_t k = 0; k < m->chunks && m->chunk != NULL; k++) {
+        array_free(m->chunk[k].source);
+        array_free(m->chunk[k].form_factor);
+    }
+    array_free(m->row);
+    array_free(m->buffer);
+    array_free(m->chunk);
+    array_free(m->length);
+    array_free(m->escape);
+    array_free(m->area);
+    lamp_table_clear(&m->lamps);
+    *m = (RowMaker){ 0 };
+}
+
+void row_maker_add(RowMaker *m, unsigned worker, uint32_t source, float form_factor)
+{
+    RowBuffer *b = &m->buffer[worker];
+    const size_t n = b->links + 1;
+    if (!array_reserve((void **)&b->source, &b->source_capacity, n, sizeof *b->source, what,
+                       &b->error) ||
+        !array_reserve((void **)&b->form_factor, &b->factor_capacity, n, sizeof *b->form_factor,
+                       what, &b->error))
+        return;
+    b->source[b->links] = source;
+    b->form_factor[b->links++] = form_factor;
+}
+
+void row_maker_end(RowMaker *m, unsigned worker, uint32_t row, float escape, double area)
+{
+    RowBuffer *b = &m->buffer[worker];
+    m->length[row] = (uint32_t)(b->links - b->row);
+    m->escape[row] = escape;
+    m->area[row] = area;
+    b->row = b->links;
+}
+
+void row_maker_cast(RowMaker *m, uint32_t row, unsigned worker)
+{
+    RowCast *cast = &m->row[worker];
+    row_cast_run(cast, m->room, &m->lamps, row, m->seed);
+    for (uint32_t k = 0; k < cast->links; k++)
+        row_maker_add(m, worker, cast->source[k], cast->form_factor[k]);
+    row_maker_end(m, worker, row, (float)cast->escape, cast->area);
+}
+
+void row_maker_keep(RowMaker *m, uint32_t begin, unsigned worker)
+{
+    RowBuffer *b = &m->buffer[worker];
+    RowChunk *chunk = &m->chunk[begin / MAKER_CHUNK];
+    assert(begin % MAKER_CHUNK == 0 && b->row == b->links);
+    chunk->source = array_create(b->links, sizeof *chunk->source, what, &b->error);
+    chunk->form_factor = array_create(b->links, sizeof *chunk->form_factor, what, &b->error);
+    if (!error_is_set(&b->error) && b->links > 0) {
+        chunk->links = b->links;
+        memcpy(chunk->source, b->source, b->links * sizeof *b->source);
+        memcpy(chunk->form_factor, b->form_factor, b->links * sizeof *b->form_factor);
+    }
+    b->links = b->row = 0;
+}
+
+/* Copies the chunks' rows one after the other, giving back each chunk as soon as it is copied. */
+static void join_chunks(RowMaker *m, Links *links)
+{
+    uint64_t at = 0;
+    for (uint32_t k = 0; k < m->chunks; k++) {
+        RowChunk *chunk = &m->chunk[k];
+        if (chunk->links > 0) {
+            memcpy(&links->source[at], chunk->source, chunk->links * sizeof *chunk->source);
+            memcpy(&links->form_factor[at], chunk->form_factor,
+                   chunk->links * sizeof *chunk->form_factor);
+        }
+        at += chunk->links;
+        chunk->links = 0;
+        chunk->source = array_free(chunk->source);
+        chunk->form_factor = array_free(chunk->form_factor);
+    }
+}
+
+Links *row_maker_gather(RowMaker *m, Error *err)
+{
+    uint64_t nonzeros = 0;
+    for (unsigned k = 0; k < m->threads; k++)
+        if (error_is_set(&m->buffer[k].error)) {
+            *err = m->buffer[k].error;
+            return NULL;
+        }
+    for (uint32_t k = 0; k < m->chunks; k++)
+        nonzeros += m->chunk[k].links;
+    Links *links = links_allocate(m->count, nonzeros, err);
+    if (links == NULL)
+        return NULL;
+    join_chunks(m, links);
+    for (uint32_t i = 0; i < m->count; i++) {
+        links->first[i + 1] = links->first[i] + m->length[i];
+        links->escape[i] = m->escape[i];
+        links->area[i] = m->area[i];
+        links->lamp[i] = m->row[0].lamp_rays > 0 && m->lamps.probability[i] > 0;
+    }
+    for (unsigned k = 0; k < m->threads; k++) {
+        links->rays += m->row[k].cast;
+        links->clamped += m->row[k].clamped;
+    }
+    assert(links->first[m->count] == nonzeros);
+    links->seconds = now() - m->begun;
+    return links;
+}
