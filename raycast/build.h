@@ -93,6 +93,9 @@ static inline Float4 box_centre(Box box)
  * fails  NULL; ERROR_MEMORY; ERROR_INPUT as bvh_create says. */
 Ref *refs_create(const Primitives *in, unsigned threads, uint32_t *count, Error *err);
 
+/* The box around a shape; false when it is not finite or reaches too far. */
+bool shape_box(const Shape *shape, float lo[3], float hi[3]);
+
 /* --- bvh_split.c ----------------------------------------------------------------------------- */
 
 typedef struct {

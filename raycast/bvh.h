@@ -5,8 +5,11 @@
  * Units    scene units; a hit's t counts in lengths of the ray's direction.
  * Method   build: binned surface-area heuristic [wald07], nodes of 8 children; triangle test:
  *          watertight [woop13]; shapes: exact, in double. Vertices are rounded to float.
- * Ties     of two hits at exactly the same t the smaller primitive number wins, so the answer does
- *          not depend on the tree.
+ * Ties     the nearest hit wins; at exactly the same t one that faces the ray (its normal, from the
+ *          triangle's winding, against the direction) before one that does not, then the smaller
+ *          primitive. A facing hit behind one that does not face the ray wins too when rounding
+ *          alone may have put it there: faces in one place, cut in different ways (best.h). The
+ *          answer depends neither on the tree nor on the kernel.
  * NaN      a ray with a NaN or infinity in origin or direction misses everything; so does one
  *          without direction, or with an origin beyond 2^40.
  * Threads  a finished Bvh never changes: query it from any thread, without locks.

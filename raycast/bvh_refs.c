@@ -52,23 +52,29 @@ static bool triangle_ref(const Primitives *in, uint32_t i, Ref *ref, Error *err)
     return true;
 }
 
-static bool shape_ref(const Primitives *in, uint32_t i, Ref *ref, Error *err)
+bool shape_box(const Shape *shape, float lo[3], float hi[3])
 {
-    Vec3 lo, hi;
-    shape_bounds(&in->shape[i], &lo, &hi);
+    Vec3 from, to;
+    shape_bounds(shape, &from, &to);
     for (int k = 0; k < 3; k++) {
-        const double a = vec3_axis(lo, k), b = vec3_axis(hi, k);
+        const double a = vec3_axis(from, k), b = vec3_axis(to, k);
         if (!(fabs(a) <= (double)PROBE_COORDINATE_MAX && fabs(b) <= (double)PROBE_COORDINATE_MAX))
-            return error_set(err, ERROR_INPUT, "shape %u is not finite or reaches beyond %g", i,
-                             (double)PROBE_COORDINATE_MAX);
+            return false;
         /* The bounds and the hits are computed in double; a float's ulp is far more than both
          * can be off. */
         const double margin = (fabs(a) + fabs(b)) * (double)PROBE_ROUNDING;
-        ref->lo[k] = float_below(a - margin);
-        ref->hi[k] = float_above(b + margin);
+        lo[k] = float_below(a - margin);
+        hi[k] = float_above(b + margin);
     }
-    ref->primitive = in->triangle_count + i;
     return true;
+}
+
+static bool shape_ref(const Primitives *in, uint32_t i, Ref *ref, Error *err)
+{
+    ref->primitive = in->triangle_count + i;
+    return shape_box(&in->shape[i], ref->lo, ref->hi)
+           || error_set(err, ERROR_INPUT, "shape %u is not finite or reaches beyond %g", i,
+                        (double)PROBE_COORDINATE_MAX);
 }
 
 static void refs_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)

@@ -24,7 +24,7 @@
 #include <assert.h>
 #include <math.h>
 
-#include "raycast/internal.h"
+#include "raycast/best.h"
 
 /* Half an ulp of 1 in float. */
 #define PROBE_ROUNDING 0x1p-24f
@@ -45,21 +45,10 @@ typedef struct {
     float  origin[3];            /* along axis[0], axis[1], axis[2] */
     float  shear[2];             /* direction along axis[0], axis[1], over that along axis[2] */
     double inverse_z;
+    float  margin[3];            /* how much boxes are widened; see best.h */
+    float  reach;                /* how far along the ray faces in one place may lie apart */
     unsigned octant;             /* bit k: the direction is negative along axis k */
 } Probe;
-
-/* The best so far. t is the limit before anything was hit. */
-typedef struct {
-    float    t;
-    uint32_t tie; /* a hit at exactly t counts when its primitive is below this */
-    float    u, v;
-    uint32_t primitive;
-} Best;
-
-static inline Best best_none(float t_max)
-{
-    return (Best){ .t = t_max, .tie = 0, .u = 0, .v = 0, .primitive = RAY_MISS };
-}
 
 /* False for a ray that probe_init cannot take: bvh_odd_ray (bvh.c) makes it one or a miss. */
 static inline bool probe_takes(const Ray *ray)
@@ -88,7 +77,8 @@ static inline void probe_init(Probe *p, const Ray *ray, const float lo[3], const
     for (int k = 0; k < 3; k++) {
         const float size = fabsf(d[k]) < smallest ? smallest : fabsf(d[k]);
         const float inverse = copysignf(1 / size, d[k]);
-        const float margin = PROBE_MARGIN * (fabsf(o[k]) + reach[k] + reach_z) * fabsf(inverse);
+        p->margin[k] = PROBE_MARGIN * (fabsf(o[k]) + reach[k] + reach_z);
+        const float margin = p->margin[k] * fabsf(inverse);
         const float at = o[k] * inverse;
         p->inverse[k] = inverse;
         p->near_add[k] = -at - margin;
@@ -106,17 +96,7 @@ static inline void probe_init(Probe *p, const Ray *ray, const float lo[3], const
     p->shear[0] = d[x] * p->inverse[z];
     p->shear[1] = d[y] * p->inverse[z];
     p->inverse_z = 1 / (double)d[z];
-}
-
-/* Takes a hit that is nearer, or as near and of a smaller number. */
-static inline bool best_offer(Best *best, const Probe *p, float t, uint32_t primitive)
-{
-    if (!(t > p->t_min) || !(t < best->t || (t == best->t && primitive < best->tie)))
-        return false;
-    best->t = t;
-    best->tie = primitive;
-    best->primitive = primitive;
-    return true;
+    p->reach = BEST_GRADIENT * (p->margin[0] + p->margin[1] + p->margin[2]) * fabsf(p->inverse[z]);
 }
 
 /* x, y, z of a corner, seen along the ray; z is not sheared. */
@@ -129,7 +109,7 @@ static inline void probe_shear(const Probe *p, const float corner[3], float *x, 
 
 /* corner[i] holds the coordinates along axis[0], axis[1], axis[2]. */
 static inline bool probe_triangle(const Probe *p, const float corner[3][3], uint32_t primitive,
-                                  Best *best)
+                                  uint32_t place, Best *best)
 {
     float ax, ay, az, bx, by, bz, cx, cy, cz;
     probe_shear(p, corner[0], &ax, &ay, &az);
@@ -146,21 +126,23 @@ static inline bool probe_triangle(const Probe *p, const float corner[3][3], uint
         return false;
     const double scale = 1 / sum;
     const double t = (a * az + b * bz + c * cz) * scale * p->inverse_z;
-    if (!best_offer(best, p, (float)t, primitive))
-        return false;
-    best->u = (float)(b * scale);
-    best->v = (float)(c * scale);
-    return true;
+    /* sum is twice the area in the frame of the ray, with the sign of -normal_z. */
+    const uint32_t side = (sum > 0) == (p->inverse_z > 0) ? 0 : BEST_BACK;
+    const Candidate hit = { .t = (float)t, .u = (float)(b * scale), .v = (float)(c * scale),
+                            .key = primitive | side, .place = place };
+    return hit.t > p->t_min && hit.t <= best->limit && best_offer(best, p->reach, &hit);
 }
 
-/* The triangle in one lane of a group. */
-static inline bool probe_lane(const Probe *p, const TriangleGroup *group, int lane, Best *best)
+/* The triangle in one lane of a group, whose first lane is at `place`. */
+static inline bool probe_lane(const Probe *p, const TriangleGroup *group, int lane, uint32_t place,
+                              Best *best)
 {
     float corner[3][3];
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
             corner[i][k] = group->vertex[i][p->axis[k]][lane];
-    return probe_triangle(p, (const float(*)[3])corner, group->primitive[lane], best);
+    return probe_triangle(p, (const float(*)[3])corner, group->primitive[lane],
+                          place + (uint32_t)lane, best);
 }
 
 /* The shape is asked for the whole ray, not up to the best hit: the answer must not depend on what
@@ -177,11 +159,13 @@ static inline bool probe_shape(const Ray *ray, const Probe *p, const Shape *shap
         t = nextafterf(ray->t_min, INFINITY);
     if (t >= ray->t_max)
         t = nextafterf(ray->t_max, 0);
-    if (!best_offer(best, p, t, primitive))
+    if (!(t > ray->t_min && t <= best->limit))
         return false;
-    best->u = (float)hit.u;
-    best->v = (float)hit.v;
-    return true;
+    const Vec3 n = shape_normal(shape, hit.u, hit.v);
+    const uint32_t side = vec3_dot(n, vec3(ray->dx, ray->dy, ray->dz)) < 0 ? 0 : BEST_BACK;
+    const Candidate found = { .t = t, .u = (float)hit.u, .v = (float)hit.v,
+                              .key = primitive | side, .place = 0 };
+    return best_offer(best, p->reach, &found);
 }
 
 /* The corners of a triangle in float.
@@ -203,12 +187,35 @@ static inline bool probe_corners(const Primitives *in, uint32_t triangle, float 
            || e[0][0] * e[1][1] != e[0][1] * e[1][0];
 }
 
-/* Writes the answer; of a miss, t is the ray's end and u, v are 0. A weight of -0 becomes 0. */
-static inline bool best_to_hit(const Best *best, Hit *hit)
+/* --- the answer ------------------------------------------------------------------------------ */
+
+/* How far behind best->first, on a face with this normal, another face in the same place may be
+ * hit (best.h), but never more than p->reach. Normal and ray as they are in the scene. */
+static inline float probe_slack(const Probe *p, const Ray *ray, Vec3 normal)
 {
-    *hit = (Hit){ .t = best->t, .u = best->u + 0.0f, .v = best->v + 0.0f,
-                  .primitive = best->primitive };
-    return best->primitive != RAY_MISS;
+    const double inverse = fabs(p->inverse_z);
+    const double along = fabs(vec3_dot(normal, vec3(ray->dx, ray->dy, ray->dz))) * inverse;
+    const double side = fabs(vec3_axis(normal, p->axis[0])) * (double)p->margin[p->axis[0]]
+                        + fabs(vec3_axis(normal, p->axis[1])) * (double)p->margin[p->axis[1]];
+    const double slack = ((double)p->margin[p->axis[2]] + side / along) * inverse;
+    return slack < (double)p->reach ? (float)slack : p->reach;
+}
+
+/* The normal of a triangle, of any length, from its corners in float. */
+static inline Vec3 probe_normal(const float a[3], const float b[3], const float c[3])
+{
+    const Vec3 p = vec3((double)a[0], (double)a[1], (double)a[2]);
+    return vec3_cross(vec3_sub(vec3((double)b[0], (double)b[1], (double)b[2]), p),
+                      vec3_sub(vec3((double)c[0], (double)c[1], (double)c[2]), p));
+}
+
+/* Which of the two is the answer, when `first` lies on a face with this normal. */
+static inline const Candidate *best_choose(const Best *best, const Probe *p, const Ray *ray,
+                                           Vec3 normal)
+{
+    /* Rounded like best->limit: whatever is chosen here was not cut off before. */
+    const float end = best->first.t + probe_slack(p, ray, normal);
+    return best->facing.t <= end ? &best->facing : &best->first;
 }
 
 /* A ray outside the range of probe_init scaled into it: *scaled and the power of two `exponent`

@@ -5,8 +5,8 @@
  *   node_push      tests a node's boxes; *next is the first child to visit or CHILD_NONE; of the
  *                  others that are hit, writes the nearer end and the reference to near[] and
  *                  child[], far ones first, and returns how many; may write 8 of each
- *   group_test     offers the triangles of a group to *best, as probe_triangle would each of them;
- *                  whether one was taken
+ *   group_test     offers the triangles of a group, the first at `place`, to *best, as probe_lane
+ *                  would each of them; whether one was taken
  * and KERNEL, the name of the table to make.
  */
 #include "raycast/probe.h"
@@ -21,11 +21,10 @@ ALWAYS_INLINE bool leaf_trace(const Bvh *bvh, const Ray *ray, const Probe *p, ui
         const uint32_t i = child_shape_index(leaf);
         return probe_shape(ray, p, &bvh->shape[i], bvh->triangle_count + i, best);
     }
-    const TriangleGroup *group = bvh->group + child_group(leaf);
-    const TriangleGroup *end = group + child_group_count(leaf);
+    const uint32_t begin = child_group(leaf), end = begin + child_group_count(leaf);
     bool found = false;
-    for (; group < end; group++) {
-        found |= group_test(group, p, best);
+    for (uint32_t g = begin; g < end; g++) {
+        found |= group_test(&bvh->group[g], p, g * GROUP_WIDTH, best);
         if (any && found)
             return true;
     }
@@ -33,26 +32,42 @@ ALWAYS_INLINE bool leaf_trace(const Bvh *bvh, const Ray *ray, const Probe *p, ui
 }
 
 /* The nearest hit, or with `any` the first that turns up. */
-ALWAYS_INLINE Best tree_trace(const Bvh *bvh, const Ray *ray, bool any)
+ALWAYS_INLINE Best tree_trace(const Bvh *bvh, const Ray *ray, const Probe *p, bool any)
 {
-    Probe p;
-    probe_init(&p, ray, bvh->lo, bvh->hi);
     Best best = best_none(ray->t_max);
     float near[BVH_STACK];
     uint32_t child[BVH_STACK], top = 0, c = 0;
     for (;;) {
         while (!child_is_leaf(c))
-            top += node_push(&bvh->node[c], &p, best.t, near + top, child + top, &c);
-        if (c != CHILD_NONE && leaf_trace(bvh, ray, &p, c, any, &best) && any)
+            top += node_push(&bvh->node[c], p, best.limit, near + top, child + top, &c);
+        if (c != CHILD_NONE && leaf_trace(bvh, ray, p, c, any, &best) && any)
             return best;
         /* Not >=: an equally near hit of a smaller number may be in there. */
         do {
             if (top == 0)
                 return best;
             top--;
-        } while (near[top] > best.t);
+        } while (near[top] > best.limit);
         c = child[top];
     }
+}
+
+/* A face that looks away was hit first, one that faces the ray behind it: rare. */
+static __attribute__((noinline, cold)) const Candidate *
+first_or_facing(const Bvh *bvh, const Ray *ray, const Probe *p, const Best *best)
+{
+    const uint32_t primitive = best->first.key & ~BEST_BACK, lane = best->first.place % GROUP_WIDTH;
+    if (primitive >= bvh->triangle_count) {
+        const Shape *shape = &bvh->shape[primitive - bvh->triangle_count];
+        return best_choose(best, p, ray, shape_normal(shape, (double)best->first.u,
+                                                      (double)best->first.v));
+    }
+    const TriangleGroup *group = &bvh->group[best->first.place / GROUP_WIDTH];
+    float corner[3][3];
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            corner[i][k] = group->vertex[i][k][lane];
+    return best_choose(best, p, ray, probe_normal(corner[0], corner[1], corner[2]));
 }
 
 static bool nearest_odd(const Bvh *bvh, const Ray *ray, Hit *hit);
@@ -61,8 +76,13 @@ static inline bool nearest_one(const Bvh *bvh, const Ray *ray, Hit *hit)
 {
     if (__builtin_expect(!probe_takes(ray), 0))
         return nearest_odd(bvh, ray, hit);
-    const Best best = tree_trace(bvh, ray, false);
-    return best_to_hit(&best, hit);
+    Probe p;
+    probe_init(&p, ray, bvh->lo, bvh->hi);
+    const Best best = tree_trace(bvh, ray, &p, false);
+    const Candidate *chosen = &best.first;
+    if (__builtin_expect(best_is_open(&best), 0))
+        chosen = first_or_facing(bvh, ray, &p, &best);
+    return best_to_hit(&best, chosen, hit);
 }
 
 /* Kept out of the way of the usual rays. */
@@ -80,7 +100,10 @@ static inline bool blocked_one(const Bvh *bvh, const Ray *ray)
     Hit hit;
     if (__builtin_expect(!probe_takes(ray), 0))
         return nearest_odd(bvh, ray, &hit);
-    return tree_trace(bvh, ray, true).primitive != RAY_MISS;
+    Probe p;
+    probe_init(&p, ray, bvh->lo, bvh->hi);
+    const Best best = tree_trace(bvh, ray, &p, true);
+    return best_found(&best);
 }
 
 static bool trace_nearest(const Bvh *bvh, const Ray *ray, Hit *hit)

@@ -52,7 +52,8 @@ static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit
 }
 
 /* probe_triangle for four at once, operation by operation: the same bits. */
-static inline bool group_test(const TriangleGroup *group, const Probe *p, Best *best)
+static inline bool group_test(const TriangleGroup *group, const Probe *p, uint32_t place,
+                              Best *best)
 {
     const Sheared s = group_shear(group, p);
     const unsigned lanes = group_filter(group, &s);
@@ -79,7 +80,7 @@ static inline bool group_test(const TriangleGroup *group, const Probe *p, Best *
                                                    _mm256_set1_pd(p->inverse_z)));
     /* Without area t is NaN and out of range. */
     const __m128 in_range = _mm_and_ps(_mm_cmpgt_ps(t, _mm_set1_ps(p->t_min)),
-                                       _mm_cmple_ps(t, _mm_set1_ps(best->t)));
+                                       _mm_cmple_ps(t, _mm_set1_ps(best->limit)));
     unsigned left = lanes & (unsigned)_mm256_movemask_pd(one_sign)
                     & (unsigned)_mm_movemask_ps(in_range);
     if (left == 0)
@@ -88,14 +89,14 @@ static inline bool group_test(const TriangleGroup *group, const Probe *p, Best *
     _mm_storeu_ps(ts, t);
     _mm_storeu_ps(us, _mm256_cvtpd_ps(_mm256_mul_pd(b, scale)));
     _mm_storeu_ps(vs, _mm256_cvtpd_ps(_mm256_mul_pd(c, scale)));
+    /* Signs of sum and of the direction: probe_triangle. */
+    const unsigned back = (unsigned)_mm256_movemask_pd(sum) ^ (p->inverse_z < 0 ? 0xf : 0);
     bool found = false;
     for (; left != 0; left &= left - 1) {
-        const int i = __builtin_ctz(left);
-        if (!best_offer(best, p, ts[i], group->primitive[i]))
-            continue;
-        best->u = us[i];
-        best->v = vs[i];
-        found = true;
+        const unsigned i = (unsigned)__builtin_ctz(left);
+        const Candidate hit = { .t = ts[i], .u = us[i], .v = vs[i], .place = place + i,
+                                .key = group->primitive[i] | (back >> i & 1) << 31 };
+        found |= best_offer(best, p->reach, &hit);
     }
     return found;
 }

@@ -28,11 +28,12 @@ static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit
     return count > 0 ? count - 1 : 0;
 }
 
-static inline bool group_test(const TriangleGroup *group, const Probe *p, Best *best)
+static inline bool group_test(const TriangleGroup *group, const Probe *p, uint32_t place,
+                              Best *best)
 {
     bool found = false;
     for (int i = 0; i < (int)GROUP_WIDTH && group->primitive[i] != RAY_MISS; i++)
-        found |= probe_lane(p, group, i, best);
+        found |= probe_lane(p, group, i, place, best);
     return found;
 }
 

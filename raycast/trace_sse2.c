@@ -38,12 +38,13 @@ static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit
     return count > 0 ? count - 1 : 0;
 }
 
-static inline bool group_test(const TriangleGroup *group, const Probe *p, Best *best)
+static inline bool group_test(const TriangleGroup *group, const Probe *p, uint32_t place,
+                              Best *best)
 {
     const Sheared s = group_shear(group, p);
     bool found = false;
     for (unsigned lanes = group_filter(group, &s); lanes != 0; lanes &= lanes - 1)
-        found |= probe_lane(p, group, __builtin_ctz(lanes), best);
+        found |= probe_lane(p, group, __builtin_ctz(lanes), place, best);
     return found;
 }
 

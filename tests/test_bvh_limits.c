@@ -124,6 +124,93 @@ static void ties_go_to_the_smaller(void **state)
     scene_destroy(s);
 }
 
+/* --- faces in one place ---------------------------------------------------------------------- */
+
+/* A square of two triangles in the plane of p, cut by one diagonal or the other; `turned`: facing
+ * the other way. */
+static void add_square(Scene *s, const Vec3 p[4], int diagonal, bool turned)
+{
+    const Vec3 a = p[diagonal], b = p[(diagonal + 1) % 4], c = p[(diagonal + 2) % 4];
+    const Vec3 d = p[(diagonal + 3) % 4];
+    if (turned)
+        add_quad(s, d, c, b, a);
+    else
+        add_quad(s, a, b, c, d);
+}
+
+/* Squares back to back in planes at random, cut along different diagonals and one of them larger,
+ * in either order: a ray meets the one that faces it. Shears and roundings differ, so that t does,
+ * by an ulp or more. */
+static void the_face_that_looks_here_is_hit(void **state)
+{
+    (void)state;
+    Random r = { 41 };
+    for (int round = 0; round < 60; round++) {
+        const double size = (double[]){ 1, 1e-3, 1e4 }[round % 3];
+        const Vec3 centre = vec3_scale(random_cube(&r), 3 * size);
+        const Vec3 u = random_direction(&r), w = vec3_unit(vec3_cross(u, random_direction(&r)));
+        const Vec3 n = vec3_cross(u, w);
+        Vec3 p[4], q[4];
+        for (int i = 0; i < 4; i++) {
+            const double a = i == 1 || i == 2 ? size : -size, b = i >= 2 ? size : -size;
+            p[i] = vec3_mad(vec3_mad(centre, a, u), b, w);
+            q[i] = vec3_mad(vec3_mad(centre, 1.7 * a, u), 1.3 * b, w);
+        }
+        Scene *s = scene_create(4);
+        const bool first_is_turned = round & 1; /* u x w = n is the normal of p as it stands */
+        add_square(s, p, round / 2 % 4, first_is_turned);
+        add_square(s, q, round / 3 % 4, !first_is_turned);
+        Trees trees = trees_create(&s->in);
+        for (uint32_t i = 0; i < 2000 / SLOWER; i++) {
+            const Vec3 on = vec3_mad(vec3_mad(centre, size * (1.9 * random_unit(&r) - 0.95), u),
+                                     size * (1.9 * random_unit(&r) - 0.95), w);
+            const Vec3 d = random_direction(&r);
+            const Ray ray = ray_of(vec3_mad(on, -2 * size, d), d, 0, INFINITY);
+            compare_ray(&s->in, &trees, &ray);
+            /* Gradients up to 10, of the BEST_GRADIENT that are covered. */
+            if (fabs(vec3_dot(d, n)) < 0.1)
+                continue;
+            Hit hit;
+            assert_true(bvh_nearest(trees.bvh[0], &ray, &hit));
+            const bool p_faces = (vec3_dot(d, n) < 0) != first_is_turned;
+            assert_int_equal(hit.primitive < 2, p_faces);
+        }
+        trees_destroy(&trees);
+        scene_destroy(s);
+    }
+}
+
+/* A disc on a floor, looking down into it, or a gap above or below: only rounding is forgiven. */
+static void shapes_and_gaps(void **state)
+{
+    (void)state;
+    static const struct {
+        double gap;
+        bool   disc_is_hit;
+    } table[] = { { 0, true }, { 0x1p-23, true }, { 1e-3, false }, { -1e-3, true } };
+    for (int i = 0; i < 4; i++) {
+        Error err = { 0 };
+        Scene *s = scene_create(2);
+        /* The floor looks up; the disc, facing down, lies on it or `gap` above. */
+        add_quad(s, vec3(-1, -1, 0), vec3(1, -1, 0), vec3(1, 1, 0), vec3(-1, 1, 0));
+        const Affine map = { { 0.5, 0, 0 }, { 0, -0.5, 0 }, { 0, 0, -0.5 }, { 0, 0, table[i].gap } };
+        assert_true(shape_init(&s->shape[0], SHAPE_DISC, 0, &map, &err));
+        s->in.shape_count = 1;
+        Trees trees = trees_create(&s->in);
+        const Ray up = { 0.1f, 0.2f, -2, 0, 0.1f, 0.05f, 1, INFINITY };
+        const Ray down = { 0.1f, 0.2f, 2, 0, 0.1f, 0.05f, -1, INFINITY };
+        compare_ray(&s->in, &trees, &up);
+        compare_ray(&s->in, &trees, &down);
+        Hit hit;
+        assert_true(bvh_nearest(trees.bvh[0], &up, &hit));
+        assert_int_equal(hit.primitive == 2, table[i].disc_is_hit);
+        assert_true(bvh_nearest(trees.bvh[0], &down, &hit));
+        assert_int_equal(hit.primitive == 2, table[i].gap > 1e-5);
+        trees_destroy(&trees);
+        scene_destroy(s);
+    }
+}
+
 static void flat_triangles_are_never_hit(void **state)
 {
     (void)state;
@@ -347,6 +434,8 @@ int main(void)
         cmocka_unit_test(one_sphere),
         cmocka_unit_test(edge_on),
         cmocka_unit_test(ties_go_to_the_smaller),
+        cmocka_unit_test(the_face_that_looks_here_is_hit),
+        cmocka_unit_test(shapes_and_gaps),
         cmocka_unit_test(flat_triangles_are_never_hit),
         cmocka_unit_test(nothing_is_a_valid_tree),
         cmocka_unit_test(bad_rays_miss),
