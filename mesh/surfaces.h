@@ -43,13 +43,15 @@ typedef struct {
     uint32_t    back_material, back_group; /* those of `back`; without it the same as the front's */
     double      area;
     /* neighbour over edge k (triangle: edges 01 12 20; quad: ab bc cd da; shape: none), or
-     * SURFACE_NONE at a rim or refused edge */
+     * SURFACE_NONE at a rim or refused edge; of an edge with stitches: over its first piece */
     uint32_t    neighbour[4];
 } Surface;
 
 /* A corner of another face that lies on an edge of a surface, inside it: a T-junction, stitched. */
 typedef struct {
     uint32_t vertex;        /* index into position */
+    uint32_t neighbour;     /* over the piece of the edge from here to the next stitch or corner, or
+                               SURFACE_NONE */
     double   fraction;      /* of the way along the edge, 0 < fraction < 1 */
 } Stitch;
 
@@ -73,6 +75,9 @@ typedef struct {
     uint32_t  vertex_count;
     uint32_t *corner;             /* [3 * triangle_count]  index into position */
     uint32_t *triangle_surface;   /* [triangle_count] */
+    /* polygon each triangle is of, and the one that is its other side or SURFACE_NONE; the two
+     * halves of a quad may come from different ones */
+    uint32_t *triangle_face, *triangle_back; /* [triangle_count] */
     uint32_t  triangle_count;
     /* edge k of surface i has stitches stitch_first[4 i + k] .. stitch_first[4 i + k + 1] - 1,
      * fractions rising from its corner k; stitch_first is NULL when nothing was stitched */
@@ -85,7 +90,9 @@ typedef struct {
     double    largest_coordinate; /* max |coordinate|, for ray_offset */
     uint32_t *part;               /* [count]  number of the connected part a surface belongs to */
     uint32_t  part_count;
-    uint8_t  *part_closed;        /* [part_count]  1: no rim, every edge has two faces */
+    /* [part_count]  1: no rim; every edge has a face at either side or an even number of faces,
+     * plates count as two; of the shapes spheres and tori */
+    uint8_t  *part_closed;
     bool      closed;             /* all parts are closed */
     Repairs   repairs;
 } Surfaces;
@@ -145,7 +152,7 @@ void surfaces_point(const Surfaces *surfaces, uint32_t surface, double s, double
 Vec3 surfaces_normal(const Surfaces *surfaces, uint32_t primitive, double u, double v);
 
 /* Invariants: indices in range, areas positive and adding up to the triangles' and shapes' areas,
- * neighbours mutual. */
+ * neighbours mutual, stitches on their edges in order. */
 bool surfaces_check(const Surfaces *surfaces);
 
 #endif
