@@ -97,7 +97,8 @@ $(BUILD)/libraries-found: tools/deps.sh
 $(BUILD)/obj/%.c.o: %.c $(BUILD)/options | $(BUILD)/libraries-found
 	@mkdir -p $(@D)
 	@echo "  CC   $<"
-	$(Q)$(CC) $(ALL_CFLAGS) $(SYSTEM_INCLUDES) $(FUZZ_OPTIONS) -MMD -MP -c -o $@ $<
+	$(Q)$(CC) $(ALL_CFLAGS) $(SYSTEM_INCLUDES) $(FUZZ_OPTIONS) $(BENCH_OPTIONS) \
+	  -MMD -MP -c -o $@ $<
 
 $(BUILD)/obj/%.cpp.o: %.cpp $(BUILD)/options | $(BUILD)/libraries-found
 	@mkdir -p $(@D)
@@ -108,7 +109,7 @@ $(BUILD)/obj/%.cpp.o: %.cpp $(BUILD)/options | $(BUILD)/libraries-found
 FUZZ_OPTIONS = $(if $(filter tests/fuzz/%,$<),-Wno-missing-prototypes)
 
 .PRECIOUS: $(BUILD)/obj/%.c.o
--include $(OBJECTS:.o=.d) $(APP_OBJECTS:.o=.d) $(TEST_OBJECTS:.o=.d)
+-include $(OBJECTS:.o=.d) $(APP_OBJECTS:.o=.d) $(BENCH_OBJECTS:.o=.d) $(TEST_OBJECTS:.o=.d)
 
 # --- getting it, seeing it -----------------------------------------------------------------------
 
@@ -129,9 +130,20 @@ demo: deps
 	@echo "The picture:"
 	@realpath $(BUILD)/demo/cornell.* | sed 's/^/  /'
 
+# --- speed: against Embree where its headers are, which only this program is linked with ----------
+
+EMBREE := $(wildcard /usr/include/embree3/rtcore.h)
+BENCH_OBJECTS := $(patsubst %,$(BUILD)/obj/%.o,$(sort $(wildcard bench/*.c)))
+BENCH_SCENES ?= cornell cornell100k scenes/third-party/modern-hall/staircase2.obj room
+
+$(BENCH_OBJECTS): BENCH_OPTIONS = $(if $(EMBREE),-DBENCH_EMBREE)
+$(BUILD)/raybench: $(BENCH_OBJECTS) $(BUILD)/libisolux.a
+	@echo "  LINK $@"
+	$(Q)$(LINK) -o $@ $^ $(LDFLAGS) $(LIBS) $(if $(EMBREE),-lembree3)
+
 .PHONY: bench
-bench: all
-	@for scene in scenes/files/*.msd; do $(BUILD)/isolux bench $$scene || exit 1; done
+bench: $(BUILD)/raybench
+	$(BUILD)/raybench -o $(BUILD)/bench.json $(BENCH_SCENES)
 
 # --- tests: one program a file, each in a process of its own -------------------------------------
 
@@ -270,7 +282,7 @@ help:
 	@echo "make test       deps, build, and all tests; last line: N passed, N failed"
 	@echo "make test-one T=test_msd         one test program"
 	@echo "make fuzz       clang's fuzzer on every reader, FUZZ_SECONDS=10 each"
-	@echo "make bench      rays per second, seconds and memory on the scenes in scenes/files/"
+	@echo "make bench      rays per second against Embree (if installed): build/bench.json"
 	@echo "make valgrind   test programs under memcheck; takes a while"
 	@echo "make coverage   tests with line coverage: build/coverage/report.html"
 	@echo "make layers     refuse includes that point upwards"
