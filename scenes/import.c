@@ -149,6 +149,7 @@ static bool target_read(ImportTarget *target, Error *err)
     const char *ending = path_ending(target->path);
     const bool good = strcasecmp(ending, "obj") == 0   ? import_obj(target, err)
                       : strcasecmp(ending, "ply") == 0 ? import_ply(target, err)
+                      : strcasecmp(ending, "vs3") == 0 ? import_vs3(target, err)
                       : import_from_child(target, import_assimp, err);
     if (!good)
         return false;

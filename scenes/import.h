@@ -45,6 +45,8 @@ bool import_plain_material(ImportTarget *target, uint32_t *index, Error *err);
 /* Reads an OBJ file and its material libraries into the target. */
 bool import_obj(ImportTarget *target, Error *err);
 bool import_ply(ImportTarget *target, Error *err);
+/* View3D's surfaces, F = 3 and 3a; front sides take part. */
+bool import_vs3(ImportTarget *target, Error *err);
 
 /* --- materials of OBJ (import_mtl.c) ---------------------------------------------------------- */
 
