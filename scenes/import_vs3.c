@@ -352,7 +352,8 @@ static bool cut_surface(Vs3Reader *r, size_t i, size_t *count, Error *err)
     for (size_t k = 0; k < *count; k++)
         left += r->piece[k].count > 0 ? piece_area(&r->piece[k]) : 0;
     if (!(fabs(area - covered - left) <= AREA_SLACK * area))
-        return text_error(&r->text, err, "what lies on surface %zu is not wholly inside it", i + 1);
+        return text_error(&r->text, err, "what lies on surface %zu is not wholly inside it",
+                          i + 1);
     return true;
 }
 
