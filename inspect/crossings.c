@@ -52,10 +52,9 @@ static bool overlap_counts(const Inspector *in, uint32_t a, uint32_t b, bool ali
     return (sa & (alike ? sb : (sb >> 1 | (sb & 1) << 1))) != 0;
 }
 
-static bool add_meeting(Meetings *list, const Inspector *in, const Pair *pair, uint32_t a,
-                        uint32_t b)
+static bool add_meeting(Meetings *list, const Pair *pair, uint32_t f, uint32_t g)
 {
-    const uint32_t f = in->surfaces->surface[a].face, g = in->surfaces->surface[b].face;
+    assert(f != g);
     if (!array_reserve((void **)&list->item, &list->capacity, list->count + 1, sizeof *list->item,
                        "crossing faces", &list->err))
         return false;
@@ -72,7 +71,7 @@ static bool is_turn(const Surfaces *s, uint32_t k, uint32_t other, float size, c
     const float larger = box_size(box);
     const uint32_t a = s->triangle_surface[k], b = s->triangle_surface[other];
     return (larger > size || (larger == size && other < k)) && a != b &&
-           s->surface[a].face != s->surface[b].face;
+           inspect_face(s, k) != inspect_face(s, other);
 }
 
 static Box triangle_box(const Triangle *t)
@@ -106,7 +105,7 @@ static bool search_triangle(const Inspector *in, const BoxEntry *entry, Meetings
         if (pair.kind == PAIR_APART ||
             (pair.kind == PAIR_OVERLAP && !overlap_counts(in, f, g, alike)))
             continue;
-        if (!add_meeting(list, in, &pair, f, g))
+        if (!add_meeting(list, &pair, inspect_face(s, k), inspect_face(s, near[i])))
             return false;
         found++;
     }

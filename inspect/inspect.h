@@ -28,7 +28,7 @@ typedef struct {
 /* An edge of one face only, or the piece of it between two corners of others that lie on it. */
 typedef struct {
     uint32_t from, to;    /* vertices of Surfaces, along the front's winding */
-    uint32_t surface;
+    uint32_t triangle;    /* that has it */
 } OpenEdge;
 
 /* A connected part. */

@@ -27,6 +27,12 @@ uint32_t inspect_corner(const Surfaces *s, uint32_t surface, unsigned k)
     return k < 3 ? corner[k] : corner[5]; /* a quad's second triangle is (a,c,d) */
 }
 
+/* The triangle that edge k of a surface belongs to. */
+static uint32_t edge_triangle(const Surfaces *s, uint32_t surface, unsigned k)
+{
+    return s->surface[surface].primitive + (k >= 2 && s->surface[surface].kind == SURFACE_QUAD);
+}
+
 static unsigned corners_of(const Surface *f)
 {
     return f->kind == SURFACE_TRIANGLE ? 3 : f->kind == SURFACE_QUAD ? 4 : 0;
@@ -64,7 +70,7 @@ static size_t table_slot(const EdgeTable *table, uint32_t a, uint32_t b)
 }
 
 /* Calls for each piece of each edge, in the order of the surfaces; false when a call was. */
-typedef bool (*EdgeVisit)(void *context, uint32_t surface, uint32_t from, uint32_t to);
+typedef bool (*EdgeVisit)(void *context, uint32_t triangle, uint32_t from, uint32_t to);
 
 static bool visit_edges(const Surfaces *s, EdgeVisit visit, void *context)
 {
@@ -76,12 +82,13 @@ static bool visit_edges(const Surfaces *s, EdgeVisit visit, void *context)
             uint32_t at = s->stitch_first != NULL ? s->stitch_first[4 * (size_t)i + k] : 0;
             const uint32_t end = s->stitch_first != NULL ? s->stitch_first[4 * (size_t)i + k + 1]
                                                          : 0;
+            const uint32_t triangle = edge_triangle(s, i, k);
             for (; at < end; at++) {
-                if (!visit(context, i, from, s->stitch[at].vertex))
+                if (!visit(context, triangle, from, s->stitch[at].vertex))
                     return false;
                 from = s->stitch[at].vertex;
             }
-            if (!visit(context, i, from, last))
+            if (!visit(context, triangle, from, last))
                 return false;
         }
     }
@@ -94,19 +101,19 @@ typedef struct {
     size_t     capacity;  /* of in->out->edge */
 } Counter;
 
-static bool count_edge(void *context, uint32_t surface, uint32_t from, uint32_t to)
+static bool count_edge(void *context, uint32_t triangle, uint32_t from, uint32_t to)
 {
     Counter *counter = context;
     if (from == to)
         return true;
     uint8_t *faces = &counter->table.faces[table_slot(&counter->table, from, to)];
     *faces = (uint8_t)(*faces + (*faces < 3));
-    if (counter->in->surfaces->surface[surface].back != SURFACE_NONE)
+    if (inspect_back(counter->in->surfaces, triangle) != SURFACE_NONE)
         *faces = (uint8_t)(*faces + (*faces < 3));
     return true;
 }
 
-static bool keep_open(void *context, uint32_t surface, uint32_t from, uint32_t to)
+static bool keep_open(void *context, uint32_t triangle, uint32_t from, uint32_t to)
 {
     Counter    *counter = context;
     Inspector  *in = counter->in;
@@ -116,10 +123,10 @@ static bool keep_open(void *context, uint32_t surface, uint32_t from, uint32_t t
     if (!array_reserve((void **)&out->edge, &counter->capacity, out->open_edges + 1,
                        sizeof *out->edge, "open edges", in->err))
         return false;
-    out->edge[out->open_edges++] = (OpenEdge){ from, to, surface };
+    out->edge[out->open_edges++] = (OpenEdge){ from, to, triangle };
     const Vec3   a = in->surfaces->position[from], b = in->surfaces->position[to];
     const Defect defect = { .kind = DEFECT_OPEN_EDGE, .other = DEFECT_NO_FACE,
-                            .face = in->surfaces->surface[surface].face,
+                            .face = inspect_face(in->surfaces, triangle),
                             .at = vec3_lerp(a, b, 0.5),
                             .measure = vec3_length(vec3_sub(a, b)) };
     return defects_add(in->defects, &defect, in->err);
@@ -161,9 +168,9 @@ static Vec3 end_direction(const Inspector *in, uint32_t end)
     return vec3_sub(p[end_vertex(in, end ^ 1)], p[end_vertex(in, end)]);
 }
 
-static Vec3 surface_normal(const Surfaces *s, uint32_t surface)
+static Vec3 triangle_normal(const Surfaces *s, uint32_t triangle)
 {
-    const uint32_t *corner = s->corner + 3 * (size_t)s->surface[surface].primitive;
+    const uint32_t *corner = s->corner + 3 * (size_t)triangle;
     const Vec3      a = s->position[corner[0]];
     return vec3_unit(vec3_cross(vec3_sub(s->position[corner[1]], a),
                                 vec3_sub(s->position[corner[2]], a)));
@@ -173,7 +180,7 @@ static Vec3 surface_normal(const Surfaces *s, uint32_t surface)
  * lie to the left of their edges, so the hole is met turning counter-clockwise. */
 static double turn_angle(const Inspector *in, uint32_t arriving, uint32_t leaving)
 {
-    const Vec3 n = surface_normal(in->surfaces, in->out->edge[arriving / 2].surface);
+    const Vec3 n = triangle_normal(in->surfaces, in->out->edge[arriving / 2].triangle);
     const Vec3 d = end_direction(in, arriving), o = end_direction(in, leaving);
     const double angle = atan2(vec3_dot(n, vec3_cross(d, o)), vec3_dot(d, o));
     return angle > -SLIT_ANGLE ? angle : angle + 2 * PI;
@@ -278,7 +285,7 @@ static Rim follow_rim(Chains *c, uint32_t seed)
 {
     const Inspector *in = c->in;
     const Surfaces  *s = in->surfaces;
-    Rim rim = { .face = s->surface[in->out->edge[seed].surface].face,
+    Rim rim = { .face = inspect_face(s, in->out->edge[seed].triangle),
                 .lo = { INFINITY, INFINITY, INFINITY }, .hi = { -INFINITY, -INFINITY, -INFINITY } };
     uint32_t begin = 2 * seed, at = begin;
     /* A chain that ends is followed from its end; one that closes may begin anywhere. */
