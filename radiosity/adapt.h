@@ -5,6 +5,7 @@
  * out is estimated from irradiance at points inside it: direct light from lamps and point lights by
  * visibility rays from its quarters, indirect light from the solution of its neighbours. A shadow's
  * edge inside a patch shows as quarters that differ by more than their own noise.
+ * Where a part of a patch lies inside a solid, only the rest counts.
  * Units    an error is a root mean square over the patch, of irradiance, luminance.
  */
 #ifndef RADIOSITY_ADAPT_H
@@ -16,7 +17,8 @@
 
 typedef struct {
     double   least_size;  /* no patch is divided whose edge is shorter than twice this; 0: none */
-    uint32_t rays;        /* visibility rays per quarter to lamps; 0: a default */
+    uint32_t rays;        /* visibility rays per patch to lamps; 0: 64 */
+    uint32_t row_rays;    /* rays per row of the links, whose noise is no reason to divide; 0: 256 */
     uint32_t seed;
     unsigned threads;
 } AdaptOptions;
@@ -29,7 +31,9 @@ bool adapt_errors(const Room *room, const Links *links, const double *irradiance
                   const AdaptOptions *options, double *error, const Monitor *monitor, Error *err);
 
 /* Marks in split [patches->count] the patches with the largest error^2 * area, so many that about
- * `wanted` patches result; none whose share of the whole is negligible. Returns how many. */
-uint32_t adapt_choose(const Room *room, const double *error, uint32_t wanted, uint8_t *split);
+ * `wanted` patches result; none whose share of the whole is negligible. *chosen is how many.
+ * fails  false and ERROR_MEMORY. */
+bool adapt_choose(const Room *room, const double *error, uint32_t wanted, uint8_t *split,
+                  uint32_t *chosen, Error *err);
 
 #endif

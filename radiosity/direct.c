@@ -35,8 +35,7 @@ typedef struct {
     double        *sent, *lost; /* [escape chunks] */
 } DirectPass;
 
-/* Irradiance per intensity on the axis at p, facing n, if nothing is in the way: cos / d^2. */
-static double light_arriving(const Light *light, Vec3 p, Vec3 n)
+double light_arriving(const Light *light, Vec3 p, Vec3 n)
 {
     const Vec3 way = vec3_sub(light->position, p);
     const double square = vec3_dot(way, way), facing = vec3_dot(way, n);
@@ -46,8 +45,7 @@ static double light_arriving(const Light *light, Vec3 p, Vec3 n)
     return light_share(light, vec3_scale(way, -1 / distance)) * facing / (square * distance);
 }
 
-/* From a surface point to a light, which is no surface: only the start is moved. */
-static Ray ray_to_light(const Room *room, const Light *light, Vec3 p, Vec3 n)
+Ray ray_to_light(const Room *room, const Light *light, Vec3 p, Vec3 n)
 {
     const Vec3 start = vec3_mad(p, room->offset, n), way = vec3_sub(light->position, start);
     return (Ray){ .ox = (float)start.x, .oy = (float)start.y, .oz = (float)start.z, .t_min = 0,

@@ -218,6 +218,13 @@ typedef struct {
 bool links_balance(Links *pairs, const bool *alone, unsigned threads, const Monitor *monitor,
                    BalanceReport *report, Error *err);
 
+/* --- point lights ----------------------------------------------------------------------------- */
+
+/* Irradiance per intensity on the axis at p, facing n, if nothing is in the way: cos / d^2. */
+double light_arriving(const Light *light, Vec3 p, Vec3 n);
+/* From a surface point to a light, which is no surface: only the start is moved. */
+Ray ray_to_light(const Room *room, const Light *light, Vec3 p, Vec3 n);
+
 /* --- sides ------------------------------------------------------------------------------------ */
 
 /* A side of a surface is 2 * surface + side here. */

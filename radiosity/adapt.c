@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* radiosity/adapt.c -- what the picture on the patches leaves out of the light on them. */
+#include "radiosity/adapt.h"
+
+#include <assert.h>
+#include <math.h>
+
+#include "base/array.h"
+#include "base/parallel.h"
+#include "math/sampling.h"
+#include "radiosity/adapt_internal.h"
+#include "radiosity/internal.h"
+
+static const uint32_t DEFAULT_RAYS = 64, DEFAULT_ROW_RAYS = 256;
+
+/* Share of the variance of independent rays that is left with points of a net: rows of a Cornell
+ * box, 64 to 1024 rays. */
+static const double NET_VARIANCE = 0.5;
+
+/* Values that go to the vertices: both halves of the direct light, and the indirect one. */
+enum { DIRECT_A, DIRECT_B, INDIRECT, VALUES };
+
+typedef struct {
+    const Room         *room;
+    const Links        *links;
+    const double       *irradiance;
+    const AdaptOptions *options;
+    uint32_t            row_rays;
+    AdaptSampler       *sampler;  /* [threads] */
+    AdaptPoint         *point;    /* [patches * ADAPT_POINTS] */
+    uint8_t            *points;   /* [patches]  how many of them */
+    double             *mean;     /* [patches * VALUES] */
+    double             *noise;    /* [patches]  variance of the indirect value */
+    double             *vertex;   /* [vertices * VALUES] */
+    double             *error;    /* [patches] */
+} Adapting;
+
+/* Light of a patch that is not its own, luminance. */
+static double reflected(const Adapting *a, uint32_t patch)
+{
+    const double *h = &a->irradiance[(size_t)patch * ROOM_BANDS];
+    const Rgb rho = a->room->materials[a->room->patches->material[patch]].reflectance;
+    return rgb_luminance(rgb(rho.r * h[0], rho.g * h[1], rho.b * h[2]));
+}
+
+/* Indirect light that a row brings, and how much chance there is in it: a ray that comes to j
+ * brings what j reflects. */
+static void gather_indirect(const Adapting *a, uint32_t patch, double *mean, double *noise)
+{
+    const Links *links = a->links;
+    double sum = 0, squares = 0;
+    for (uint64_t k = links->first[patch]; k < links->first[patch + 1]; k++) {
+        const double b = reflected(a, links->source[k]);
+        sum += links->form_factor[k] * b;
+        squares += links->form_factor[k] * b * b;
+    }
+    *mean = sum;
+    *noise = NET_VARIANCE * fmax(squares - sum * sum, 0) / a->row_rays;
+}
+
+static void sample_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
+{
+    Adapting *a = context;
+    for (uint32_t i = begin; i < end; i++) {
+        AdaptPoint *point = &a->point[(size_t)i * ADAPT_POINTS];
+        double *mean = &a->mean[(size_t)i * VALUES], weights = 0;
+        if (!(a->links->area[i] > 0))
+            continue;
+        const uint32_t n = adapt_sample(&a->sampler[worker], i, point);
+        a->points[i] = (uint8_t)n;
+        for (uint32_t k = 0; k < n; k++) {
+            mean[DIRECT_A] += (double)point[k].weight * (double)point[k].direct[0];
+            mean[DIRECT_B] += (double)point[k].weight * (double)point[k].direct[1];
+            weights += (double)point[k].weight;
+        }
+        mean[DIRECT_A] /= weights > 0 ? weights : 1;
+        mean[DIRECT_B] /= weights > 0 ? weights : 1;
+        gather_indirect(a, i, &mean[INDIRECT], &a->noise[i]);
+    }
+}
+
+/* What the vertices say at a point. */
+static void interpolate(const Adapting *a, const AdaptPoint *at, unsigned side,
+                        double value[VALUES])
+{
+    uint32_t vertex[PATCH_WEIGHTS];
+    double weight[PATCH_WEIGHTS];
+    const int n = patches_interpolate(a->room->patches, a->room->surfaces, at->surface, side,
+                                      (double)at->s, (double)at->t, vertex, weight);
+    for (int v = 0; v < VALUES; v++)
+        value[v] = 0;
+    for (int k = 0; k < n; k++)
+        for (int v = 0; v < VALUES; v++)
+            value[v] += weight[k] * a->vertex[(size_t)vertex[k] * VALUES + (size_t)v];
+}
+
+/* Square of the error. Of the direct light: the two halves are off by the same error of the mesh
+ * and by noise that knows nothing of the other's, so their product is off by nothing in the mean.
+ * Of the indirect light, which is smooth: how far the mesh misses the patch's own mean. */
+static double squared_error(const Adapting *a, uint32_t i)
+{
+    const AdaptPoint *point = &a->point[(size_t)i * ADAPT_POINTS];
+    double products = 0, indirect = 0, weights = 0;
+    for (uint32_t k = 0; k < a->points[i]; k++) {
+        double value[VALUES];
+        const double w = (double)point[k].weight;
+        interpolate(a, &point[k], a->room->patches->side[i], value);
+        products += w * ((double)point[k].direct[0] - value[DIRECT_A]) *
+                    ((double)point[k].direct[1] - value[DIRECT_B]);
+        indirect += w * value[INDIRECT];
+        weights += w;
+    }
+    if (!(weights > 0))
+        return 0;
+    const double missed = indirect / weights - a->mean[(size_t)i * VALUES + INDIRECT];
+    return fmax(products / weights, 0) + fmax(missed * missed - a->noise[i], 0);
+}
+
+static bool can_divide(const Adapting *a, uint32_t i)
+{
+    const Patches *p = a->room->patches;
+    const bool merged = p->first_piece[i + 1] > p->first_piece[i];
+    return a->points[i] > 0 && (merged || p->cell[i].level < PATCH_LEVELS) &&
+           patches_extent(p, a->room->surfaces, i) >= 2 * a->options->least_size;
+}
+
+static void error_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
+{
+    Adapting *a = context;
+    (void)worker;
+    for (uint32_t i = begin; i < end; i++) {
+        const double share = a->links->area[i] / a->room->patches->area[i];
+        a->error[i] = can_divide(a, i) ? sqrt(squared_error(a, i) * fmin(share, 1)) : 0;
+    }
+}
+
+static bool adapting_create(Adapting *a, unsigned threads, Error *err)
+{
+    static const char what[] = "the errors of patches";
+    const AdaptOptions *o = a->options;
+    const Patches *patches = a->room->patches;
+    const size_t n = patches->count;
+    a->row_rays = o->row_rays > 0 ? o->row_rays : DEFAULT_ROW_RAYS;
+    a->sampler = array_create(threads, sizeof *a->sampler, what, err);
+    a->point = array_create(n * ADAPT_POINTS, sizeof *a->point, what, err);
+    a->points = array_create(n, sizeof *a->points, what, err);
+    a->mean = array_create(n * VALUES, sizeof *a->mean, what, err);
+    a->noise = array_create(n, sizeof *a->noise, what, err);
+    a->vertex = array_create((size_t)patches->vertex_count * VALUES, sizeof *a->vertex, what, err);
+    for (unsigned k = 0; k < threads && a->sampler != NULL; k++)
+        adapt_sampler_create(&a->sampler[k], a->room, a->links,
+                             o->rays > 0 ? o->rays : DEFAULT_RAYS, o->seed, err);
+    return !error_is_set(err);
+}
+
+static void adapting_clear(Adapting *a, unsigned threads)
+{
+    for (unsigned k = 0; k < threads && a->sampler != NULL; k++)
+        adapt_sampler_clear(&a->sampler[k]);
+    array_free(a->sampler);
+    array_free(a->point);
+    array_free(a->points);
+    array_free(a->mean);
+    array_free(a->noise);
+    array_free(a->vertex);
+}
+
+static bool run(Adapting *a, unsigned threads, const Monitor *monitor, Error *err)
+{
+    const Patches *patches = a->room->patches;
+    if (!parallel_for(patches->count, MAKER_CHUNK, threads, sample_chunk, a, monitor, NULL))
+        return error_set(err, ERROR_STOPPED, "stopped while looking for errors");
+    for (unsigned k = 0; k < threads; k++)
+        if (error_is_set(&a->sampler[k].error)) {
+            *err = a->sampler[k].error;
+            return false;
+        }
+    if (!vertex_radiosity(patches, a->links->area, VALUES, a->mean, a->vertex, err))
+        return false;
+    parallel_for(patches->count, MAKER_CHUNK, threads, error_chunk, a, NULL, NULL);
+    return true;
+}
+
+bool adapt_errors(const Room *room, const Links *links, const double *irradiance,
+                  const AdaptOptions *options, double *error, const Monitor *monitor, Error *err)
+{
+    if (error_is_set(err))
+        return false;
+    assert(room != NULL && links != NULL && irradiance != NULL && options != NULL);
+    assert(links->count == room->patches->count && error != NULL);
+    const unsigned threads = parallel_threads(options->threads);
+    Adapting a = { .room = room, .links = links, .irradiance = irradiance, .options = options,
+                   .error = error };
+    const bool done = adapting_create(&a, threads, err) && run(&a, threads, monitor, err);
+    adapting_clear(&a, threads);
+    return done;
+}
