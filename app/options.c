@@ -12,8 +12,9 @@
 /* The words of these options stand in the order of the library's enumerations. */
 _Static_assert(CLOSURE_NONE == 0 && CLOSURE_ROWS == 1 && CLOSURE_RECIPROCITY == 2 &&
                    CLOSURE_BOTH == 3, "words of --closure");
-_Static_assert(SOLVER_GAUSS_SEIDEL == 0 && SOLVER_JACOBI == 1 && SOLVER_PROGRESSIVE == 2,
-               "words of --solver");
+_Static_assert(SOLVER_GAUSS_SEIDEL == 0 && SOLVER_JACOBI == 1 && SOLVER_PROGRESSIVE == 2 &&
+                   SOLVER_SOR == 3 && SOLVER_CONJUGATE_GRADIENTS == 4 && SOLVER_GMRES == 5 &&
+                   SOLVER_COUNT == 6, "words of --solver");
 _Static_assert(EMIT_AUTO == 0 && EMIT_FRONT == 1 && EMIT_BACK == 2 && EMIT_BOTH == 3,
                "words of --emit");
 
@@ -68,7 +69,7 @@ static const OptionRow option_rows[OPTION_COUNT] = {
     { OPTION_CLOSURE, "--closure", "WHAT", LINKING, KIND_CHOICE, FIELD(closure), 0, 0,
       "none,rows,reciprocity,both", "enforce row sums, reciprocity on the factors (default both)" },
     { OPTION_SOLVER, "--solver", "NAME", SOLVING, KIND_CHOICE, FIELD(solver), 0, 0,
-      "gauss-seidel,jacobi,progressive", "default gauss-seidel" },
+      "gauss-seidel,jacobi,progressive,sor,cg,gmres", "default gauss-seidel" },
     { OPTION_TOLERANCE, "--tolerance", "X", SOLVING, KIND_NUMBER, FIELD(tolerance), 1e-14, 1, NULL,
       "stop when the missing power falls below this share" },
     { OPTION_MAX_ITERATIONS, "--max-iterations", "N", SOLVING, KIND_COUNT, FIELD(max_iterations),

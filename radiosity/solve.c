@@ -11,6 +11,7 @@
 #include "base/array.h"
 #include "base/parallel.h"
 #include "radiosity/internal.h"
+#include "radiosity/solve_internal.h"
 
 /* Rows a thread takes at a time: some 10^5 links, large beside the cost of handing out a chunk. */
 static const uint32_t ROW_CHUNK = 256;
@@ -21,18 +22,19 @@ static const double DEFAULT_TOLERANCE = 1e-6;
 /* Iterations without any gain after which an iteration is taken to have reached its floor. */
 static const uint32_t STALL_ITERATIONS = 64;
 
-static const char *const SOLVER_NAMES[] = { "gauss-seidel", "jacobi", "progressive" };
+static const char *const SOLVER_NAMES[SOLVER_COUNT] = { "gauss-seidel", "jacobi", "progressive",
+                                                        "sor", "cg", "gmres" };
 
 const char *solver_name(Solver solver)
 {
-    assert((unsigned)solver <= SOLVER_PROGRESSIVE);
+    assert((unsigned)solver < SOLVER_COUNT);
     return SOLVER_NAMES[solver];
 }
 
 bool solver_from_name(const char *name, Solver *solver)
 {
     assert(name != NULL && solver != NULL);
-    for (unsigned k = 0; k <= SOLVER_PROGRESSIVE; k++)
+    for (unsigned k = 0; k < SOLVER_COUNT; k++)
         if (strcmp(name, SOLVER_NAMES[k]) == 0) {
             *solver = (Solver)k;
             return true;
@@ -241,6 +243,14 @@ static bool run(const SolveSystem *system, const SolveOptions *options, Solution
         return solve_gauss_seidel(system, solution, err);
     case SOLVER_PROGRESSIVE:
         return solve_progressive(system, !options->no_ambient, solution, err);
+    case SOLVER_SOR:
+        return solve_sor(system, options->relaxation, solution, err);
+    case SOLVER_CONJUGATE_GRADIENTS:
+        return solve_conjugate_gradients(system, solution, err);
+    case SOLVER_GMRES:
+        return solve_gmres(system, solution, err);
+    case SOLVER_COUNT:
+        break;
     }
     assert(!"a solver that exists");
     return false;
@@ -261,6 +271,9 @@ Solution *solve(const Links *links, const SolveProblem *problem, const SolveOpti
     if (system_init(&system, links, problem, options, monitor, err))
         solution = solution_create(links->count, problem->bands, err);
     if (solution != NULL && run(&system, options, solution, err)) {
+        /* Steps along directions may end a rounding below what a patch sends out by itself. */
+        for (size_t k = 0; k < (size_t)solution->count * solution->bands; k++)
+            solution->radiosity[k] = fmax(solution->radiosity[k], problem->emission[k]);
         /* The same measure for all, taken from the result itself; source is not needed any more. */
         solution->residual =
             solve_apply(&system, solution->radiosity, system.source, solution->irradiance);

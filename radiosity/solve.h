@@ -15,7 +15,15 @@
 #include "base/monitor.h"
 #include "radiosity/links.h"
 
-typedef enum { SOLVER_GAUSS_SEIDEL, SOLVER_JACOBI, SOLVER_PROGRESSIVE } Solver;
+typedef enum {
+    SOLVER_GAUSS_SEIDEL,
+    SOLVER_JACOBI,
+    SOLVER_PROGRESSIVE,
+    SOLVER_SOR,
+    SOLVER_CONJUGATE_GRADIENTS,
+    SOLVER_GMRES,
+    SOLVER_COUNT
+} Solver;
 
 typedef struct {
     unsigned      bands;
@@ -28,6 +36,7 @@ typedef struct {
     Solver   solver;
     double   tolerance;        /* stop when the residual is below; 0: 1e-6 */
     uint32_t max_iterations;   /* sweeps; for progressive: shots; 0: no limit */
+    double   relaxation;       /* of SOR, 0 < w < 2; 0: found from the first sweeps */
     bool     no_ambient;       /* progressive, stopped early: leave the ambient estimate out */
     unsigned threads;
 } SolveOptions;
@@ -45,7 +54,8 @@ typedef struct {
 } Solution;
 
 /* Progressive refinement shoots from the patch with the greatest unshot power [cohen88], with the
- * matrix' own column, so that all solvers solve the same system. Stopped by max_iterations or the
+ * matrix' own column, so that all solvers solve the same system. Conjugate gradients rely on
+ * reciprocity (closure both): what links lack of it costs fresh starts. Stopped by max_iterations or the
  * monitor, the result holds the ambient estimate for what was not shot.
  * owns   the caller frees with solution_destroy.
  * fails  NULL; ERROR_MEMORY; ERROR_INPUT for values out of range. A stop by the monitor gives a
@@ -55,7 +65,7 @@ Solution *solve(const Links *links, const SolveProblem *problem, const SolveOpti
 /* Frees; NULL is allowed. Always returns NULL. */
 Solution *solution_destroy(Solution *solution);
 
-/* "gauss-seidel", "jacobi", "progressive". */
+/* "gauss-seidel", "jacobi", "progressive", "sor", "cg", "gmres". */
 const char *solver_name(Solver solver);
 /* The other way; false when there is no solver of that name. */
 bool solver_from_name(const char *name, Solver *solver);
@@ -68,9 +78,14 @@ typedef struct {
 void solution_energy(const Solution *solution, const Links *links, const SolveProblem *problem,
                      unsigned band, double light_flux, double light_escaped, Energy *energy);
 
-/* Area-weighted mean of the patches around each vertex: out [vertex_count * bands]. Creases, sides
- * and material borders are kept because vertices are split there. `area` is [patches->count]; a
- * vertex whose patches all have area 0 (hidden inside solids) gets 0.
+/* Values of patches carried over to vertices: out [vertex_count * bands]. At each vertex a plane is
+ * laid through the values at the centres of the patches around it, near ones weighing more, at rims
+ * with their neighbours; what the means over patches then lack is added once. Exact for linear
+ * functions on flat grids up to the rim; never beyond the values around but for rims, where half
+ * their range is allowed, nor below 0 where they are not. Creases, sides and material borders are
+ * kept because vertices are split there. `area` [patches->count] is the visible one: patches with 0
+ * (hidden inside solids) do not count, and vertices of hidden patches alone get what lies nearest,
+ * or 0.
  * fails  false and ERROR_MEMORY. */
 bool vertex_radiosity(const Patches *patches, const double *area, unsigned bands,
                       const double *patch_value, double *out, Error *err);
