@@ -39,7 +39,7 @@ static void rule_create(Rule *rule)
 
 /* --- polygons --------------------------------------------------------------------------------- */
 
-double polygon_area(const FlatPolygon *p, Vec3 *normal)
+double flat_polygon_area(const FlatPolygon *p, Vec3 *normal)
 {
     assert(p != NULL && normal != NULL && p->count <= POLYGON_FACTOR_CORNERS);
     Vec3 sum = vec3(0, 0, 0);
@@ -188,7 +188,7 @@ double polygon_factor_area(const FlatPolygon *p, const FlatPolygon *q)
     assert(p != NULL && q != NULL && p->count >= 3 && q->count >= 3);
     assert(p->count < POLYGON_FACTOR_CORNERS / 2 && q->count < POLYGON_FACTOR_CORNERS / 2);
     Vec3 np, nq;
-    const double area_p = polygon_area(p, &np), area_q = polygon_area(q, &nq);
+    const double area_p = flat_polygon_area(p, &np), area_q = flat_polygon_area(q, &nq);
     if (!(area_p > 0 && area_q > 0))
         return 0;
     FlatPolygon a, b;

@@ -28,6 +28,6 @@ typedef struct {
 double polygon_factor_area(const FlatPolygon *p, const FlatPolygon *q);
 
 /* Area and unit normal; the normal is 0 for a polygon without area. */
-double polygon_area(const FlatPolygon *p, Vec3 *normal);
+double flat_polygon_area(const FlatPolygon *p, Vec3 *normal);
 
 #endif
