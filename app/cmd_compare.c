@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* isolux compare: the error of one picture against another, in luminance. */
+/* isolux compare: the error of one picture, or one solution, against another, in luminance. */
+#include <string.h>
+#include <strings.h>
+
 #include "app/commands.h"
+#include "app/compare_ply.h"
 #include "app/summary.h"
 #include "base/array.h"
 #include "render/compare.h"
@@ -42,14 +46,11 @@ static bool write_json(const Session *session, const Comparison *c, Error *err)
     return summary_finish(&summary, session, err);
 }
 
-bool cmd_compare(Pipeline *pipeline, int *exit_code, Error *err)
+static bool compare_pictures(Session *session, Error *err)
 {
-    Session *session = pipeline->session;
     const Options *options = &session->options;
     Comparison comparison = { 0 };
     int width = 0, height = 0, other_width = 0, other_height = 0;
-    *exit_code = 0;
-    session->told = true;
     float *reference = image_read_exr(options->scene, &width, &height, err);
     float *picture = image_read_exr(options->other, &other_width, &other_height, err);
     if (!error_is_set(err) && (width != other_width || height != other_height))
@@ -63,4 +64,96 @@ bool cmd_compare(Pipeline *pipeline, int *exit_code, Error *err)
         return false;
     say_comparison(session, &comparison);
     return write_json(session, &comparison, err);
+}
+
+/* --- solutions -------------------------------------------------------------------------------- */
+
+static void say_meshes(Session *session, const MeshComparison *c)
+{
+    const CompareRow *all = &c->all;
+    session_say(session, "isolux: %s against %s", session->options.other, session->options.scene);
+    session_say(session, "  points      %u, %.2f %% of them found on both", c->samples,
+                100 * all->matched);
+    session_say(session, "  mean        %.6g    irradiance, luminance; the other %.6g", all->mean,
+                all->other);
+    session_say(session, "  error       %.3f %%    relative RMSE of irradiance", 100 * all->error);
+    session_say(session, "  bias       %+.3f %%", 100 * (all->other / all->mean - 1));
+}
+
+static void json_row(Json *json, const CompareRow *row)
+{
+    json_number(json, "share", row->share);
+    json_number(json, "matched", row->matched);
+    json_number(json, "mean", row->mean);
+    json_number(json, "mean_other", row->other);
+    json_number(json, "error", row->error);
+}
+
+static bool write_meshes(const Session *session, const SolvedMesh *reference,
+                         const MeshComparison *c, Error *err)
+{
+    Summary summary;
+    Error none = { 0 };
+    if (!summary_begin(&summary, session, 0, &none, err))
+        return false;
+    if (summary.file == NULL)
+        return true;
+    Json *json = &summary.json;
+    json_open(json, "compare", '{');
+    json_text(json, "reference", session->options.scene);
+    json_text(json, "solution", session->options.other);
+    json_count(json, "samples", c->samples);
+    json_bool(json, "constant", session->options.constant);
+    json_row(json, &c->all);
+    json_open(json, "groups", '[');
+    for (uint32_t g = 0; g < reference->group_count; g++) {
+        if (!(c->group[g].share > 0))
+            continue;
+        json_open(json, NULL, '{');
+        json_text(json, "group", reference->group_name[g]);
+        json_row(json, &c->group[g]);
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+    json_close(json, '}');
+    return summary_finish(&summary, session, err);
+}
+
+static bool compare_meshes(Session *session, Error *err)
+{
+    const Options *options = &session->options;
+    const CompareOptions compare = { .samples = options->samples, .seed = options->seed,
+                                     .constant = options->constant };
+    SolvedMesh reference = { 0 }, mesh = { 0 };
+    MeshComparison comparison = { 0 };
+    bool good = solved_mesh_read(&reference, options->scene, err) &&
+                solved_mesh_read(&mesh, options->other, err) &&
+                mesh_compare(&reference, &mesh, &compare, &comparison, err);
+    if (good) {
+        say_meshes(session, &comparison);
+        good = write_meshes(session, &reference, &comparison, err);
+    }
+    mesh_comparison_clear(&comparison);
+    solved_mesh_clear(&reference);
+    solved_mesh_clear(&mesh);
+    return good;
+}
+
+static bool is_ply(const char *path)
+{
+    const size_t length = strlen(path);
+    return length >= 4 && strcasecmp(path + length - 4, ".ply") == 0;
+}
+
+bool cmd_compare(Pipeline *pipeline, int *exit_code, Error *err)
+{
+    Session *session = pipeline->session;
+    const Options *options = &session->options;
+    const bool ply = is_ply(options->scene);
+    *exit_code = 0;
+    session->told = true;
+    if (ply != is_ply(options->other))
+        return error_set(err, ERROR_USAGE, "compare takes two pictures (.exr) or two solved "
+                         "meshes (.ply), not one of each");
+    return ply ? compare_meshes(session, err) : compare_pictures(session, err);
 }

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The solved mesh as PLY, binary little endian: patches are faces, with all they know. */
+/* The solved mesh as PLY, binary little endian: faces with all that their patches know. */
 #include <assert.h>
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
 #include "app/commands.h"
+#include "app/ply_read.h"
 #include "base/array.h"
 #include "base/file.h"
 
@@ -84,13 +85,6 @@ static uint32_t display_byte(double v)
 
 /* --- header ----------------------------------------------------------------------------------- */
 
-static void put_property(FILE *out, const char *name, bool bands)
-{
-    static const char *const endings[] = { "_r", "_g", "_b" };
-    for (int band = 0; band < (bands ? ROOM_BANDS : 1); band++)
-        fprintf(out, "property float %s%s\n", name, bands ? endings[band] : "");
-}
-
 /* Names may hold anything; a comment ends with its line. */
 static void put_name(FILE *out, const char *kind, size_t number, const char *name)
 {
@@ -112,7 +106,8 @@ static void put_header(const Ply *ply)
                  "comment radiosity: all that leaves, %s\n"
                  "comment irradiance: all that arrives, %s\n"
                  "comment reflectance: share of arriving light sent back, 1\n"
-                 "comment area: square scene units; side: 0 front, 1 back\n"
+                 "comment area: square scene units, visible_area: without what lies inside solids\n"
+                 "comment side: 0 front, 1 back; several faces of a patch have its values\n"
                  "comment red green blue: radiosity / pi * 2^%.4f, shown as sRGB\n",
             pipeline->session->options.unit_m, lux ? "lm/m2" : "W/m2", lux ? "lux" : "W/m2",
             log2(ply->scale * PI));
@@ -121,20 +116,10 @@ static void put_header(const Ply *ply)
     for (size_t i = 0; i < soup->material_count; i++)
         put_name(out, "material", i, soup->materials[i].name);
     fprintf(out, "element vertex %" PRIu32 "\n", pipeline->patches->vertex_count);
-    put_property(out, "x", false);
-    put_property(out, "y", false);
-    put_property(out, "z", false);
-    fputs("property uchar red\nproperty uchar green\nproperty uchar blue\n", out);
-    put_property(out, "radiosity", true);
-    put_property(out, "irradiance", true);
+    fputs(PLY_VERTEX_LAYOUT, out);
     fprintf(out, "element face %" PRIu32 "\nproperty list %s int vertex_indices\n",
-            pipeline->patches->count, ply->wide ? "ushort" : "uchar");
-    fputs("property int patch\nproperty int surface\nproperty int side\nproperty int group\n"
-          "property int material\nproperty float area\n", out);
-    put_property(out, "radiosity", true);
-    put_property(out, "irradiance", true);
-    put_property(out, "reflectance", true);
-    fputs("end_header\n", out);
+            pipeline->patches->face_count, ply->wide ? "ushort" : "uchar");
+    fputs(PLY_FACE_LAYOUT "end_header\n", out);
 }
 
 /* --- body ------------------------------------------------------------------------------------- */
@@ -155,27 +140,48 @@ static void put_vertices(const Ply *ply)
     }
 }
 
-static void put_faces(const Ply *ply)
+/* Piece k of patch i, or the whole patch: its surface and its share of the patch's area. */
+static double face_share(const Patches *p, uint32_t i, uint32_t k, uint32_t *surface)
+{
+    const uint32_t first = p->first_piece[i], piece = first + k;
+    if (first == p->first_piece[i + 1]) {
+        *surface = p->surface[i];
+        return 1;
+    }
+    *surface = p->piece[piece];
+    return p->piece_end[piece] - (k > 0 ? p->piece_end[piece - 1] : 0);
+}
+
+static void put_face(const Ply *ply, Record *record, uint32_t face)
 {
     const Pipeline *pipeline = ply->pipeline;
     const Patches *p = pipeline->patches;
-    Record record = { .size = 0 };
-    for (uint32_t i = 0; i < p->count; i++) {
-        const size_t at = (size_t)ROOM_BANDS * i;
-        put_bytes(&record, p->first_corner[i + 1] - p->first_corner[i], ply->wide ? 2 : 1);
-        for (uint32_t k = p->first_corner[i]; k < p->first_corner[i + 1]; k++) {
-            put_bytes(&record, p->corner[k], 4);
-            write_record(ply->out, &record);
-        }
-        const uint32_t numbers[] = { i, p->surface[i], p->side[i], p->group[i], p->material[i] };
-        for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
-            put_bytes(&record, numbers[k], 4);
-        put_float(&record, p->area[i]);
-        put_bands(&record, pipeline->solution->radiosity + at);
-        put_bands(&record, pipeline->solution->irradiance + at);
-        put_bands(&record, pipeline->reflectance + at);
-        write_record(ply->out, &record);
+    const uint32_t i = p->face_patch[face];
+    const size_t at = (size_t)ROOM_BANDS * i;
+    uint32_t surface;
+    const double share = face_share(p, i, face - p->face_of[i], &surface);
+    put_bytes(record, p->first_corner[face + 1] - p->first_corner[face], ply->wide ? 2 : 1);
+    for (uint32_t k = p->first_corner[face]; k < p->first_corner[face + 1]; k++) {
+        put_bytes(record, p->corner[k], 4);
+        write_record(ply->out, record);
     }
+    const uint32_t numbers[] = { i, surface, p->side[i], p->group[i], p->material[i] };
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
+        put_bytes(record, numbers[k], 4);
+    put_float(record, share * p->area[i]);
+    put_float(record, share * pipeline->links->area[i]);
+    put_bands(record, pipeline->solution->radiosity + at);
+    put_bands(record, pipeline->solution->irradiance + at);
+    put_bands(record, pipeline->reflectance + at);
+    write_record(ply->out, record);
+}
+
+static void put_faces(const Ply *ply)
+{
+    const Patches *p = ply->pipeline->patches;
+    Record record = { .size = 0 };
+    for (uint32_t face = 0; face < p->face_count; face++)
+        put_face(ply, &record, face);
 }
 
 /* Values at vertices, and whether a face needs a longer count. */
@@ -194,10 +200,10 @@ static bool ply_prepare(Ply *ply, Error *err)
         !vertex_radiosity(p, pipeline->links->area, ROOM_BANDS, pipeline->solution->irradiance,
                           ply->irradiance, err))
         return false;
-    for (uint32_t i = 0; i < p->count; i++) {
+    for (uint32_t i = 0; i < p->face_count; i++) {
         const uint32_t corners = p->first_corner[i + 1] - p->first_corner[i];
         if (corners > UINT16_MAX)
-            return error_set(err, ERROR_FAILED, "patch %u has %u corners", i, corners);
+            return error_set(err, ERROR_FAILED, "face %u has %u corners", i, corners);
         ply->wide = ply->wide || corners > UINT8_MAX;
     }
     ply->scale = options->exposure_set ? exp2(options->exposure) / PI : auto_scale(pipeline);
