@@ -6,7 +6,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "app/trace.h"
 #include "base/array.h"
+#include "inspect/imprint.h"
 #include "math/tolerance.h"
 #include "scenes/ceiling_light.h"
 
@@ -114,10 +116,20 @@ static bool build_surfaces(Pipeline *pipeline, Error *err)
     begin_stage(pipeline, STAGE_MESH);
     Error found = *err;
     const Session *session = pipeline->session;
-    Defects *defects = session->options.command == COMMAND_CHECK ? &pipeline->defects : NULL;
+    const Polygons *soup = &pipeline->scene->polygons;
+    const bool check = session->options.command == COMMAND_CHECK;
+    const ImprintOptions io = { .most = session->settings.patches };
+    Imprint imprint = { 0 };
     defects_clear(&pipeline->defects);
-    pipeline->surfaces = surfaces_repair(&pipeline->scene->polygons, &session->settings.repair,
-                                         defects, &session->monitor, &found);
+    /* What is wrong with a file is looked for in its faces as they are. */
+    if (check || imprint_create(soup, &io, &imprint, &session->monitor, &found))
+        pipeline->surfaces = surfaces_repair(check ? soup : &imprint.soup,
+                                             &session->settings.repair,
+                                             check ? &pipeline->defects : NULL,
+                                             &session->monitor, &found);
+    if (!check && pipeline->surfaces != NULL)
+        imprint_finish(&imprint, pipeline->surfaces);
+    imprint_clear(&imprint);
     /* The mesh knows no file; whoever reads the message needs its name. */
     if (found.code == ERROR_INPUT && !error_is_set(err))
         error_at(err, ERROR_INPUT, pipeline->scene->file, 0, "%.400s", found.text);
@@ -409,11 +421,15 @@ bool pipeline_solve(Pipeline *pipeline, Error *err)
     } while (!lit && hurry_instead(pipeline, err));
     if (!lit || !set_problem(pipeline, err))
         return false;
+    Trace trace;
+    if (!trace_begin(&trace, session->options.trace, pipeline->links->rays, err))
+        return false;
     const SolveOptions so = { .solver = settings->solver, .tolerance = settings->tolerance,
                               .max_iterations = settings->max_iterations,
-                              .threads = settings->threads };
+                              .threads = settings->threads, .trace_user = &trace,
+                              .trace = trace.file != NULL ? trace_step : NULL };
     pipeline->solution = solve(pipeline->links, &pipeline->problem, &so, &session->monitor, err);
-    if (pipeline->solution == NULL)
+    if (!trace_finish(&trace, err) || pipeline->solution == NULL)
         return false;
     set_energy(pipeline);
     pipeline_note(pipeline, STAGE_SOLVE, begin);

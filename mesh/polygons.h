@@ -42,6 +42,9 @@ typedef struct {
     uint32_t *corner;        /* [first[polygon_count]]  index into position */
     uint32_t *material;      /* [polygon_count]  index into materials */
     uint32_t *group;         /* [polygon_count]  index into group_name */
+    uint8_t  *contact;       /* NULL, or [first[polygon_count]]  1: another face stands on the edge
+                                from this corner to the next (inspect/imprint.h), and the faces at
+                                either side are never made one */
     size_t    vertex_count, polygon_count;
     size_t    vertex_capacity, corner_capacity, polygon_capacity;   /* of the arrays above */
     /* exact curved faces */

@@ -33,6 +33,29 @@ static bool parallelogram(const Pieces *pieces, const Vec3 *position, uint32_t u
     return true;
 }
 
+/* Whether another face stands on an edge: light on one side of it is none of the other's. */
+static bool is_contact(const Pieces *pieces, const Polygons *soup, const Vec3 *position,
+                       uint32_t use)
+{
+    if (soup->contact == NULL)
+        return false;
+    const uint32_t face = pieces->face[use / 3];
+    const uint32_t first = soup->first[face], last = soup->first[face + 1] - 1;
+    const Vec3 p = position[pieces->corner[use]], q = position[pieces->corner[use_next(use)]];
+    const double tolerance = position_tolerance(fmax(largest_coordinate(p),
+                                                     largest_coordinate(q)));
+    for (uint32_t k = first; k <= last; k++) {
+        const Vec3 a = soup->position[soup->corner[k]];
+        const Vec3 b = soup->position[soup->corner[k == last ? first : k + 1]];
+        const double same = vec3_length(vec3_sub(p, a)) + vec3_length(vec3_sub(q, b));
+        const double turned = vec3_length(vec3_sub(p, b)) + vec3_length(vec3_sub(q, a));
+        /* Both ends may have moved when they were welded. */
+        if (soup->contact[k] && fmin(same, turned) <= 2 * tolerance)
+            return true;
+    }
+    return false;
+}
+
 static bool may_join(const Pieces *pieces, const Connection *connection, const Polygons *soup,
                      uint32_t use, uint32_t other)
 {
@@ -40,6 +63,19 @@ static bool may_join(const Pieces *pieces, const Connection *connection, const P
     return i < j && pieces->other[i] == PIECE_NONE && pieces->other[j] == PIECE_NONE
         && connection->reversed[i] == connection->reversed[j]
         && pieces_alike(pieces, soup, i, j);
+}
+
+/* The use of the same edge in the triangle on the other side when neither has stitches. */
+static uint32_t whole_across(const Connection *connection, uint32_t use)
+{
+    const Stitches *s = connection->stitches;
+    if (s->first != NULL && s->first[use] != s->first[use + 1])
+        return PIECE_NONE;
+    const uint32_t other = connection_across(connection, stitches_link(s, use));
+    if (other == PIECE_NONE)
+        return PIECE_NONE;
+    const uint32_t there = connection_use(connection, other);
+    return s->first != NULL && s->first[there] != s->first[there + 1] ? PIECE_NONE : there;
 }
 
 bool pieces_join(Pieces *pieces, const Connection *connection, const Polygons *soup,
@@ -52,15 +88,17 @@ bool pieces_join(Pieces *pieces, const Connection *connection, const Polygons *s
         return false;
     uint32_t count = 0;
     for (uint32_t use = 0; use < uses; use++) {
-        const uint32_t other = connection_across(connection, use);
+        const uint32_t other = whole_across(connection, use);
         uint64_t grade = 0;
         if (other != PIECE_NONE && may_join(pieces, connection, soup, use, other)
-            && parallelogram(pieces, position, use, other, &grade))
+            && parallelogram(pieces, position, use, other, &grade)
+            && !is_contact(pieces, soup, position, use)
+            && !is_contact(pieces, soup, position, other))
             key[count++] = grade << 32 | use;
     }
     edges_sort_keys(key, count);
     for (uint32_t k = 0; k < count; k++) {
-        const uint32_t use = (uint32_t)key[k], other = connection_across(connection, use);
+        const uint32_t use = (uint32_t)key[k], other = whole_across(connection, use);
         if (!may_join(pieces, connection, soup, use, other))
             continue;
         pieces->diagonal[use / 3] = use;

@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Largest faces first, each cut by what meets it; then all pieces as one soup again. */
+#include "inspect/imprint.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "inspect/imprint_internal.h"
+#include "math/tolerance.h"
+
+enum { PIECES_MOST = 20000, FACE_PIECES_MOST = 2048, FACES_A_STEP = 256 };
+
+/* Faces smaller than this share of the whole area are left to the sampling of patches: they are
+ * smaller than any patch, and there are millions of them. */
+static const double LEAST_SHARE = 1e-6;
+
+typedef struct {
+    uint32_t face;
+    double   area;
+} FaceRank;
+
+typedef struct {
+    ImprintParts    parts;
+    ImprintContacts contacts;
+    ImprintKnife    knife;
+    ImprintPoints   points;
+    ImprintPieces   raw;          /* of the face being cut, before they are made to meet */
+    ImprintPieces   done;         /* of all faces that were cut */
+    uint32_t       *first, *count;/* [polygons]  pieces of a face in `done`; count 0: as it was */
+    ImprintLine    *line;         /* barriers of the face being cut */
+    uint32_t        lines;
+    size_t          line_capacity;
+    FaceRank       *rank;         /* [ranked]  largest first */
+    uint32_t        ranked, left; /* left: pieces that may still be added */
+    Imprint        *out;
+    Error          *err;
+} Imprinter;
+
+/* --- cutting ---------------------------------------------------------------------------------- */
+
+static int larger_first(const void *a, const void *b)
+{
+    const FaceRank *x = a, *y = b;
+    if (x->area != y->area)
+        return x->area > y->area ? -1 : 1;
+    return (x->face > y->face) - (x->face < y->face);
+}
+
+static bool rank_faces(Imprinter *im)
+{
+    const ImprintParts *parts = &im->parts;
+    const size_t faces = parts->soup->polygon_count;
+    double total = 0;
+    im->rank = array_create(faces, sizeof *im->rank, "face contacts", im->err);
+    if (im->rank == NULL)
+        return false;
+    for (uint32_t k = 0; k < parts->count; k++)
+        total += parts->part[k].area;
+    for (uint32_t i = 0; i < faces; i++) {
+        double area = 0;
+        for (uint32_t k = parts->first[i]; k < parts->first[i + 1]; k++)
+            area += parts->part[k].area;
+        if (area > 0 && area >= LEAST_SHARE * total)
+            im->rank[im->ranked++] = (FaceRank){ i, area };
+    }
+    qsort(im->rank, im->ranked, sizeof *im->rank, larger_first);
+    return true;
+}
+
+static bool keep_barriers(Imprinter *im)
+{
+    const ImprintContacts *c = &im->contacts;
+    if (!array_reserve((void **)&im->line, &im->line_capacity, (size_t)im->lines + c->count,
+                       sizeof *im->line, "face contacts", im->err))
+        return false;
+    for (uint32_t k = 0; k < c->count; k++)
+        if (c->line[k].barrier)
+            im->line[im->lines++] = c->line[k];
+    return true;
+}
+
+/* Cuts the parts of one face into im->raw; *changed when there is anything to tell of it. */
+static bool cut_parts(Imprinter *im, uint32_t face, bool *changed, bool *covered)
+{
+    const ImprintParts *parts = &im->parts;
+    *changed = *covered = false;
+    im->raw.count = im->lines = 0;
+    for (uint32_t k = parts->first[face]; k < parts->first[face + 1]; k++) {
+        const uint32_t most = im->left < FACE_PIECES_MOST ? im->left : FACE_PIECES_MOST;
+        if (!imprint_contacts_find(parts, k, &im->contacts, im->err) || !keep_barriers(im)
+            || !imprint_cut(&im->knife, k, &im->contacts, most + 1))
+            return false;
+        const ImprintPieces *now = &im->knife.now;
+        *changed = *changed || now->count != 1 || im->knife.covered;
+        *covered = *covered || im->knife.covered;
+        for (uint32_t i = 0; i < now->count; i++)
+            if (!imprint_pieces_add(&im->raw, now->corner + now->first[i], NULL,
+                                    now->first[i + 1] - now->first[i], im->err))
+                return false;
+    }
+    return true;
+}
+
+/* The face as it was, with its edges marked. */
+static bool take_whole(Imprinter *im, uint32_t face)
+{
+    const Polygons *soup = im->parts.soup;
+    im->raw.count = 0;
+    return imprint_pieces_add(&im->raw, soup->corner + soup->first[face], NULL,
+                              soup->first[face + 1] - soup->first[face], im->err);
+}
+
+static bool cut_face(Imprinter *im, uint32_t face)
+{
+    bool changed, covered;
+    if (!cut_parts(im, face, &changed, &covered))
+        return false;
+    /* One that others cover altogether stays: which of them is met, rays decide. */
+    const bool cut = changed && im->raw.count > 0;
+    if (!cut && im->lines == 0)
+        return true;
+    if (!cut && !take_whole(im, face))
+        return false;
+    im->first[face] = im->done.count;
+    const ImprintPart *part = &im->parts.part[im->parts.first[face]];
+    if (!imprint_seams(&im->raw, im->points.position, im->line, im->lines, part->tolerance,
+                       &im->done, im->err))
+        return false;
+    const uint32_t count = im->done.count - im->first[face];
+    im->count[face] = count;
+    im->left -= count - 1 < im->left ? count - 1 : im->left;
+    im->out->cut += cut && count > 1;
+    im->out->covered += cut && covered;
+    return true;
+}
+
+static bool cut_all(Imprinter *im, const Monitor *monitor)
+{
+    const size_t faces = im->parts.soup->polygon_count;
+    im->first = array_create(faces, sizeof *im->first, "face contacts", im->err);
+    im->count = array_create(faces, sizeof *im->count, "face contacts", im->err);
+    if (error_is_set(im->err) || !rank_faces(im))
+        return false;
+    for (uint32_t k = 0; k < im->ranked; k++) {
+        if (k % FACES_A_STEP == 0 && monitor_stop(monitor))
+            return error_set(im->err, ERROR_STOPPED, "stopped while looking for faces that touch");
+        if (im->left == 0) {
+            im->out->left = im->ranked - k;
+            break;
+        }
+        if (!cut_face(im, im->rank[k].face))
+            return false;
+    }
+    return true;
+}
+
+/* --- as one soup ------------------------------------------------------------------------------ */
+
+static void add_polygon(Imprint *out, const Polygons *from, uint32_t face, const uint32_t *corner,
+                        const uint8_t *contact, uint32_t count)
+{
+    Polygons *soup = &out->soup;
+    const size_t i = soup->polygon_count++;
+    const uint32_t at = soup->first[i];
+    memcpy(soup->corner + at, corner, count * sizeof *corner);
+    if (contact != NULL)
+        memcpy(soup->contact + at, contact, count);
+    soup->material[i] = from->material[face];
+    soup->group[i] = from->group[face];
+    out->face[i] = face;
+    soup->first[i + 1] = at + count;
+}
+
+static void add_piece(Imprinter *im, uint32_t face, uint32_t piece)
+{
+    const ImprintPieces *done = &im->done;
+    const uint32_t at = done->first[piece];
+    add_polygon(im->out, im->parts.soup, face, done->corner + at, done->contact + at,
+                done->first[piece + 1] - at);
+}
+
+static bool assemble(Imprinter *im)
+{
+    static const char what[] = "pieces of faces";
+    const Polygons *from = im->parts.soup;
+    Imprint *out = im->out;
+    const size_t polygons = from->polygon_count + im->done.count;
+    const size_t corners = (from->polygon_count > 0 ? from->first[from->polygon_count] : 0)
+                         + (im->done.count > 0 ? im->done.first[im->done.count] : 0);
+    out->soup = *from;
+    out->soup.first = array_create(polygons + 1, sizeof *out->soup.first, what, im->err);
+    out->soup.corner = array_create(corners, sizeof *out->soup.corner, what, im->err);
+    out->soup.material = array_create(polygons, sizeof *out->soup.material, what, im->err);
+    out->soup.group = array_create(polygons, sizeof *out->soup.group, what, im->err);
+    out->soup.position = im->points.position;
+    out->soup.vertex_count = im->points.count;
+    im->points.position = NULL;
+    out->soup.polygon_count = 0;
+    out->original = from->polygon_count;
+    out->face = array_create(polygons, sizeof *out->face, what, im->err);
+    out->soup.contact = array_create(corners, sizeof *out->soup.contact, what, im->err);
+    if (error_is_set(im->err))
+        return false;
+    for (uint32_t i = 0; i < from->polygon_count; i++)
+        if (im->count[i] > 0)
+            add_piece(im, i, im->first[i]);
+        else
+            add_polygon(out, from, i, from->corner + from->first[i], NULL,
+                        from->first[i + 1] - from->first[i]);
+    for (uint32_t i = 0; i < from->polygon_count; i++)
+        for (uint32_t k = 1; k < im->count[i]; k++)
+            add_piece(im, i, im->first[i] + k);
+    out->pieces = (uint32_t)(out->soup.polygon_count - out->original);
+    return true;
+}
+
+static void tell(const Imprint *out, const Monitor *monitor)
+{
+    if (out->covered > 0)
+        monitor_warn(monitor, "covered", "",
+                     "%u faces lie under others in their own plane; that part of them was left out",
+                     out->covered);
+    if (out->left > 0)
+        monitor_warn(monitor, "contacts-left", "",
+                     "so many faces touch that the %u smallest of them were not cut where others "
+                     "stand on them; their patches may let light through", out->left);
+}
+
+bool imprint_create(const Polygons *soup, const ImprintOptions *options, Imprint *out,
+                    const Monitor *monitor, Error *err)
+{
+    assert(soup != NULL && out != NULL && err != NULL);
+    *out = (Imprint){ 0 };
+    if (error_is_set(err))
+        return false;
+    const uint32_t most = options != NULL && options->most > 0 ? options->most : PIECES_MOST;
+    Imprinter im = { .out = out, .err = err, .left = most };
+    im.knife = (ImprintKnife){ .parts = &im.parts, .points = &im.points, .err = err };
+    bool ok = imprint_parts_create(&im.parts, soup, err)
+           && array_reserve((void **)&im.points.position, &im.points.capacity,
+                            soup->vertex_count + 1, sizeof *im.points.position, "vertices", err);
+    if (ok && soup->vertex_count > 0)
+        memcpy(im.points.position, soup->position, soup->vertex_count * sizeof *soup->position);
+    im.points.count = soup->vertex_count;
+    ok = ok && cut_all(&im, monitor) && assemble(&im);
+    if (ok)
+        tell(out, monitor);
+    imprint_parts_clear(&im.parts);
+    imprint_contacts_clear(&im.contacts);
+    imprint_knife_clear(&im.knife);
+    imprint_pieces_clear(&im.raw);
+    imprint_pieces_clear(&im.done);
+    array_free(im.points.position);
+    array_free(im.first);
+    array_free(im.count);
+    array_free(im.line);
+    array_free(im.rank);
+    if (!ok)
+        imprint_clear(out);
+    return ok;
+}
+
+void imprint_clear(Imprint *imprint)
+{
+    array_free(imprint->soup.position);
+    array_free(imprint->soup.first);
+    array_free(imprint->soup.corner);
+    array_free(imprint->soup.material);
+    array_free(imprint->soup.group);
+    array_free(imprint->face);
+    array_free(imprint->soup.contact);
+    *imprint = (Imprint){ 0 };
+}

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* inspect/imprint.h -- faces cut along the lines where others stand on them or pass through them.
+ *
+ * One radiosity per patch means that light which arrives on one side of a wall would leave on the
+ * other when a patch lies under both. So each flat face is cut where the edge of another touches
+ * it, or another crosses it, before anything is divided: discontinuity meshing of order zero
+ * [heckbert92]. What lies inside a solid becomes a face of its own that no ray reaches. Where two
+ * faces lie in one plane and look the same way, the larger one gives up the part in common; to a
+ * lamp any face that is none gives way.
+ *
+ * Cuts run on across the whole face where that makes few pieces, so that the pieces of a rectangle
+ * are rectangles, edge to edge; otherwise only as far as they must.
+ * Not cut: curved faces, and faces by curved ones; faces so small that millions would come of it.
+ */
+#ifndef INSPECT_IMPRINT_H
+#define INSPECT_IMPRINT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "base/error.h"
+#include "base/monitor.h"
+#include "mesh/polygons.h"
+#include "mesh/surfaces.h"
+
+typedef struct {
+    uint32_t most;        /* pieces to be added, all in all; 0: 20,000 */
+} ImprintOptions;
+
+typedef struct {
+    Polygons soup;        /* the faces, cut; face i's first piece is polygon i, the others come
+                             behind all faces. Materials, groups and shapes belong to the original,
+                             which must outlive this; soup.contact is filled in */
+    uint32_t *face;       /* [soup.polygon_count]  polygon of the original */
+    size_t   original;    /* polygons of the original */
+    uint32_t cut;         /* faces that were cut */
+    uint32_t pieces;      /* that were added */
+    uint32_t covered;     /* faces that gave way, in part, to others in their plane */
+    uint32_t left;        /* faces not cut because there would be too many pieces */
+} Imprint;
+
+/* options  NULL: defaults.
+ * owns     the caller frees with imprint_clear.
+ * fails    false; ERROR_MEMORY, ERROR_STOPPED. */
+bool imprint_create(const Polygons *soup, const ImprintOptions *options, Imprint *imprint,
+                    const Monitor *monitor, Error *err);
+void imprint_clear(Imprint *imprint);
+
+/* Makes surfaces of imprint->soup those of the original: faces get its numbers, and surfaces that
+ * go on smoothly below a standing face are no neighbours any more, so that no patch grows and no
+ * value is smoothed across. */
+void imprint_finish(const Imprint *imprint, Surfaces *surfaces);
+
+#endif

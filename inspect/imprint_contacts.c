@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* inspect/imprint_contacts.c -- the lines along which other faces meet one. */
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "inspect/imprint_internal.h"
+#include "math/tolerance.h"
+
+/* A part with more lines than this keeps the longest: what a statue leaves on the floor it has sunk
+ * into is left to the sampling of patches. */
+enum { LINES_MOST = 512 };
+
+typedef struct {
+    const ImprintParts *parts;
+    const ImprintPart  *part;
+    const ImprintPart  *other;
+    double              tolerance;
+} Pairing;
+
+static bool add_line(ImprintContacts *c, const Pairing *pair, Vec3 a, Vec3 b, bool barrier,
+                     Error *err)
+{
+    Vec3 end[2] = { a, b };
+    bool border;
+    if (!imprint_clip(pair->parts->soup->position, pair->parts->corner + pair->part->first,
+                      pair->part->count, pair->part->normal, pair->tolerance, end, &border))
+        return true;
+    /* Along the border only what stands there matters: whether faces that go on smoothly into each
+     * other are parted by it. */
+    const double cosine = fabs(vec3_dot(pair->part->normal, pair->other->normal));
+    if (border && (!barrier || cosine >= TOLERANCE_CREASE_COSINE))
+        return true;
+    if (!array_reserve((void **)&c->line, &c->capacity, (size_t)c->count + 1, sizeof *c->line,
+                       "face contacts", err))
+        return false;
+    c->line[c->count++] = (ImprintLine){ .end = { end[0], end[1] }, .barrier = barrier,
+                                         .inner = !border,
+                                         .length = vec3_length(vec3_sub(end[1], end[0])) };
+    c->inner += !border;
+    return true;
+}
+
+static bool emits(const ImprintParts *parts, uint32_t face)
+{
+    const Polygons *soup = parts->soup;
+    return rgb_max(soup->materials[soup->material[face]].emission) > 0;
+}
+
+/* Whether the part gives way to another in its plane: a lamp goes first; then, of two that look the
+ * same way, the smaller face: it is the one that someone put there. */
+static bool gives_way(const Pairing *pair)
+{
+    const uint32_t face = pair->part->face, other = pair->other->face;
+    const bool lit = emits(pair->parts, face), other_lit = emits(pair->parts, other);
+    if (lit != other_lit)
+        return other_lit;
+    return vec3_dot(pair->part->normal, pair->other->normal) > 0
+        && pair->other->area < pair->part->area;
+}
+
+/* Two parts in one plane: the other's outline. */
+static bool add_outline(ImprintContacts *c, const Pairing *pair, Error *err)
+{
+    for (uint32_t k = 0; k < pair->other->count; k++)
+        if (!add_line(c, pair, imprint_corner(pair->parts, pair->other, k),
+                      imprint_corner(pair->parts, pair->other, k + 1), false, err))
+            return false;
+    if (!gives_way(pair))
+        return true;
+    if (!array_reserve((void **)&c->cover, &c->cover_capacity, (size_t)c->cover_count + 1,
+                       sizeof *c->cover, "face contacts", err))
+        return false;
+    c->cover[c->cover_count++] = (uint32_t)(pair->other - pair->parts->part);
+    return true;
+}
+
+static bool add_pair(ImprintContacts *c, const Pairing *pair, Error *err)
+{
+    const ImprintPart *part = pair->part, *other = pair->other;
+    Vec3 end[2];
+    uint32_t ends = 0, on = 0, above = 0, below = 0;
+    Vec3 last = imprint_corner(pair->parts, other, other->count - 1);
+    double h0 = vec3_dot(part->normal, last) - part->level;
+    for (uint32_t k = 0; k < other->count; k++) {
+        const Vec3 p = imprint_corner(pair->parts, other, k);
+        const double h = vec3_dot(part->normal, p) - part->level;
+        const bool level0 = fabs(h0) <= pair->tolerance, level = fabs(h) <= pair->tolerance;
+        if (!level && !level0 && (h > 0) != (h0 > 0) && ends < 2)
+            end[ends++] = vec3_lerp(last, p, h0 / (h0 - h));
+        if (level && ends < 2)
+            end[ends++] = p;
+        else if (level && ends == 2)
+            end[1] = p; /* corners in line */
+        on += level;
+        above += !level && h > 0;
+        below += !level && h < 0;
+        last = p;
+        h0 = h;
+    }
+    if (on == other->count)
+        return add_outline(c, pair, err);
+    /* One corner that touches is no line. */
+    if (ends < 2 || (above == 0 && below == 0))
+        return true;
+    return add_line(c, pair, end[0], end[1], true, err);
+}
+
+static int longer_first(const void *a, const void *b)
+{
+    const ImprintLine *x = a, *y = b;
+    if (x->inner != y->inner)
+        return x->inner ? -1 : 1;
+    if (x->length != y->length)
+        return x->length > y->length ? -1 : 1;
+    const double px[6] = { x->end[0].x, x->end[0].y, x->end[0].z,
+                           x->end[1].x, x->end[1].y, x->end[1].z };
+    const double py[6] = { y->end[0].x, y->end[0].y, y->end[0].z,
+                           y->end[1].x, y->end[1].y, y->end[1].z };
+    for (int k = 0; k < 6; k++)
+        if (px[k] != py[k])
+            return px[k] < py[k] ? -1 : 1;
+    return 0;
+}
+
+bool imprint_contacts_find(const ImprintParts *parts, uint32_t index, ImprintContacts *c,
+                           Error *err)
+{
+    assert(index < parts->count && c != NULL);
+    const ImprintPart *part = &parts->part[index];
+    c->count = c->inner = c->cover_count = 0;
+    if (c->met == NULL)
+        c->met = array_create(parts->count, sizeof *c->met, "face contacts", err);
+    if (c->met == NULL)
+        return false;
+    const Vec3 rim = vec3(part->tolerance, part->tolerance, part->tolerance);
+    const Box box = box_around(vec3_sub(part->lo, rim), vec3_add(part->hi, rim));
+    const uint32_t met = box_tree_meet(&parts->tree, &box, 0, c->met, parts->count);
+    for (uint32_t k = 0; k < met; k++) {
+        const ImprintPart *other = &parts->part[c->met[k]];
+        const Pairing pair = { parts, part, other, fmax(part->tolerance, other->tolerance) };
+        if (other->face != part->face && !add_pair(c, &pair, err))
+            return false;
+    }
+    if (c->count > 0)
+        qsort(c->line, c->count, sizeof *c->line, longer_first);
+    if (c->count > LINES_MOST)
+        c->count = LINES_MOST;
+    if (c->inner > c->count)
+        c->inner = c->count;
+    return true;
+}
+
+void imprint_contacts_clear(ImprintContacts *c)
+{
+    array_free(c->line);
+    array_free(c->cover);
+    array_free(c->met);
+    *c = (ImprintContacts){ 0 };
+}

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* inspect/imprint_internal.h -- what the steps of imprint_create hand to each other. */
+#ifndef INSPECT_IMPRINT_INTERNAL_H
+#define INSPECT_IMPRINT_INTERNAL_H
+
+#include "inspect/imprint.h"
+#include "inspect/internal.h"
+
+/* A flat convex part of a face: the whole of it, or a triangle. */
+typedef struct {
+    uint32_t face;
+    uint32_t first, count; /* its corners in Parts.corner */
+    Vec3     normal;       /* unit */
+    double   level;        /* normal . p of its points */
+    double   tolerance;    /* how far its corners may be off */
+    double   area;
+    Vec3     lo, hi;
+} ImprintPart;
+
+typedef struct {
+    ImprintPart    *part;       /* [count]  in the order of faces */
+    uint32_t        count;
+    uint32_t       *first;      /* [polygons + 1]  parts of a face */
+    uint32_t       *corner;     /* indices into soup->position */
+    size_t          capacity, corner_count, corner_capacity;
+    const Polygons *soup;
+    BoxTree         tree;       /* over the parts */
+} ImprintParts;
+
+/* imprint_parts.c */
+bool imprint_parts_create(ImprintParts *parts, const Polygons *soup, Error *err);
+void imprint_parts_clear(ImprintParts *parts);
+
+static inline Vec3 imprint_corner(const ImprintParts *parts, const ImprintPart *part, uint32_t k)
+{
+    return parts->soup->position[parts->corner[part->first + k % part->count]];
+}
+
+/* Where another part meets one. */
+typedef struct {
+    Vec3     end[2];
+    bool     barrier;   /* the other stands there: no part of the same plane */
+    bool     inner;     /* not along the border of the part */
+    double   length;
+} ImprintLine;
+
+typedef struct {
+    ImprintLine *line;
+    uint32_t     count;      /* longest first */
+    uint32_t     inner;      /* how many of them are inner */
+    uint32_t    *cover;      /* [cover_count]  parts that this one gives way to */
+    uint32_t     cover_count;
+    size_t       capacity, cover_capacity;
+    uint32_t    *met;        /* [parts]  scratch */
+} ImprintContacts;
+
+/* imprint_contacts.c: all lines and covers of one part. */
+bool imprint_contacts_find(const ImprintParts *parts, uint32_t part, ImprintContacts *contacts,
+                           Error *err);
+void imprint_contacts_clear(ImprintContacts *contacts);
+
+/* Convex pieces in a row; corners are indices into position. */
+typedef struct {
+    uint32_t *first;        /* [count + 1] */
+    uint32_t *corner;
+    uint8_t  *contact;      /* [first[count]] */
+    uint32_t  count;
+    size_t    first_capacity, corner_capacity, contact_capacity;
+} ImprintPieces;
+
+bool imprint_pieces_add(ImprintPieces *pieces, const uint32_t *corner, const uint8_t *contact,
+                        uint32_t count, Error *err);
+void imprint_pieces_clear(ImprintPieces *pieces);
+
+/* The stretch of end[0]..end[1] within a convex polygon; false when there is none longer than the
+ * tolerance. *border: it runs along an edge. */
+bool imprint_clip(const Vec3 *position, const uint32_t *corner, uint32_t count, Vec3 normal,
+                  double tolerance, Vec3 end[2], bool *border);
+/* Whether p, in its plane, lies in the polygon. */
+bool imprint_inside(const Vec3 *position, const uint32_t *corner, uint32_t count, Vec3 normal,
+                    double tolerance, Vec3 p);
+
+/* Positions of the original's vertices and of those that cuts made. */
+typedef struct {
+    Vec3  *position;
+    size_t count, capacity;
+} ImprintPoints;
+
+/* What cutting one part needs and makes. */
+typedef struct {
+    const ImprintParts *parts;
+    ImprintPoints      *points;
+    Error              *err;
+    const ImprintPart  *part;     /* being cut */
+    ImprintPieces       now, next;/* its pieces; now: the result */
+    uint32_t           *known;    /* [known_count]  points of it, to which new ones are drawn */
+    double             *height;   /* scratch: corners of a piece above a line */
+    uint32_t           *half[2];
+    size_t              known_count, known_capacity, height_capacity, half_capacity[2];
+    bool                covered;  /* a piece was left out */
+} ImprintKnife;
+
+/* imprint_cut.c: cuts a part; at most about `most` pieces. */
+bool imprint_cut(ImprintKnife *knife, uint32_t part, const ImprintContacts *contacts,
+                 uint32_t most);
+void imprint_knife_clear(ImprintKnife *knife);
+
+/* imprint_seams.c: lets corners of some pieces into the edges of others they lie on, and marks the
+ * edges that lie under a line. */
+bool imprint_seams(const ImprintPieces *pieces, const Vec3 *position, const ImprintLine *line,
+                   uint32_t lines, double tolerance, ImprintPieces *out, Error *err);
+
+#endif
