@@ -9,7 +9,7 @@ extern "C" {
 #include <new>
 #include <vector>
 
-#include <OpenMesh/Core/Mesh/TriConnectivity.hh>
+#include <OpenMesh/Core/Mesh/PolyConnectivity.hh>
 #include <OpenMesh/Core/System/omstream.hh>
 
 using OpenMesh::FaceHandle;
@@ -17,8 +17,9 @@ using OpenMesh::HalfedgeHandle;
 using OpenMesh::VertexHandle;
 
 struct HalfEdges {
-    OpenMesh::TriConnectivity mesh;
-    std::vector<int> start; // [triangles]  half-edge from corner 0 to corner 1
+    OpenMesh::PolyConnectivity mesh;
+    std::vector<int> halfedge;  // [uses]  of a use
+    std::vector<uint32_t> use;  // [half-edges]  of a half-edge, HALFEDGE_NONE outside faces
 };
 
 namespace {
@@ -39,59 +40,78 @@ private:
     bool was_;
 };
 
-bool fits(const OpenMesh::TriConnectivity &mesh, const VertexHandle v[3])
+bool fits(const OpenMesh::PolyConnectivity &mesh, const std::vector<VertexHandle> &v)
 {
-    for (int k = 0; k < 3; k++) {
+    const size_t n = v.size();
+    for (size_t k = 0; k < n; k++) {
         if (!mesh.is_boundary(v[k]))
             return false; // the fan round this vertex is closed
-        const HalfedgeHandle h = mesh.find_halfedge(v[k], v[(k + 1) % 3]);
+        const HalfedgeHandle h = mesh.find_halfedge(v[k], v[k + 1 == n ? 0 : k + 1]);
         if (h.is_valid() && !mesh.is_boundary(h))
             return false; // this side of the edge has its face
     }
     return true;
 }
 
-void add_triangle(HalfEdges &out, const uint32_t *corner, uint8_t *refused)
+// v: room for the face's vertices.
+void add_face(HalfEdges &out, const uint32_t *corner, std::vector<VertexHandle> &v,
+              uint8_t *refused)
 {
-    VertexHandle v[3];
-    for (int k = 0; k < 3; k++)
+    for (size_t k = 0; k < v.size(); k++)
         v[k] = VertexHandle(static_cast<int>(corner[k]));
     FaceHandle face;
     if (fits(out.mesh, v))
-        face = out.mesh.add_face(v, 3);
+        face = out.mesh.add_face(v.data(), v.size());
     *refused = face.is_valid() ? 0 : 1;
     if (!face.is_valid()) {
-        for (int k = 0; k < 3; k++)
-            v[k] = out.mesh.add_vertex();
-        face = out.mesh.add_face(v, 3);
+        for (VertexHandle &vertex : v)
+            vertex = out.mesh.add_vertex();
+        face = out.mesh.add_face(v.data(), v.size());
     }
     HalfedgeHandle h = out.mesh.halfedge_handle(face);
     while (out.mesh.from_vertex_handle(h) != v[0])
         h = out.mesh.next_halfedge_handle(h);
-    out.start.push_back(h.idx());
+    for (size_t k = 0; k < v.size(); k++, h = out.mesh.next_halfedge_handle(h))
+        out.halfedge.push_back(h.idx());
+}
+
+void fill(HalfEdges &out, const uint32_t *first, const uint32_t *corner, uint32_t face_count,
+          uint32_t vertex_count, uint8_t *refused)
+{
+    const size_t uses = first != nullptr ? first[face_count] : 3 * static_cast<size_t>(face_count);
+    out.mesh.reserve(vertex_count, uses / 2, face_count);
+    out.halfedge.reserve(uses);
+    for (uint32_t v = 0; v < vertex_count; v++)
+        out.mesh.add_vertex();
+    std::vector<VertexHandle> room;
+    for (uint32_t i = 0; i < face_count; i++) {
+        const size_t begin = first != nullptr ? first[i] : 3 * static_cast<size_t>(i);
+        const size_t end = first != nullptr ? first[i + 1] : begin + 3;
+        room.resize(end - begin);
+        add_face(out, corner + begin, room, refused + i);
+    }
+    out.use.assign(out.mesh.n_halfedges(), HALFEDGE_NONE);
+    for (size_t use = 0; use < uses; use++)
+        out.use[static_cast<size_t>(out.halfedge[use])] = static_cast<uint32_t>(use);
 }
 
 } // namespace
 
-extern "C" HalfEdges *halfedge_create(const uint32_t *corner, uint32_t triangle_count,
-                                      uint32_t vertex_count, uint8_t *refused, Error *err)
+extern "C" HalfEdges *halfedge_create(const uint32_t *first, const uint32_t *corner,
+                                      uint32_t face_count, uint32_t vertex_count,
+                                      uint8_t *refused, Error *err)
 {
-    assert(err != nullptr && (triangle_count == 0 || (corner != nullptr && refused != nullptr)));
+    assert(err != nullptr && (face_count == 0 || (corner != nullptr && refused != nullptr)));
     if (error_is_set(err))
         return nullptr;
     HalfEdges *out = nullptr;
     try {
         const Silence silence;
         out = new HalfEdges;
-        out->mesh.reserve(vertex_count, triangle_count + triangle_count / 2, triangle_count);
-        out->start.reserve(triangle_count);
-        for (uint32_t v = 0; v < vertex_count; v++)
-            out->mesh.add_vertex();
-        for (uint32_t i = 0; i < triangle_count; i++)
-            add_triangle(*out, corner + 3 * static_cast<size_t>(i), refused + i);
+        fill(*out, first, corner, face_count, vertex_count, refused);
         return out;
     } catch (const std::bad_alloc &) {
-        error_set(err, ERROR_MEMORY, "half-edges of %u triangles", triangle_count);
+        error_set(err, ERROR_MEMORY, "half-edges of %u faces", face_count);
     } catch (const std::exception &e) {
         error_set(err, ERROR_FAILED, "OpenMesh: %s", e.what());
     } catch (...) {
@@ -106,20 +126,10 @@ extern "C" HalfEdges *halfedge_destroy(HalfEdges *mesh)
     return nullptr;
 }
 
-extern "C" uint32_t halfedge_across(const HalfEdges *mesh, uint32_t triangle, unsigned k,
-                                    unsigned *edge)
+extern "C" uint32_t halfedge_across(const HalfEdges *mesh, uint32_t use)
 {
-    assert(triangle < mesh->start.size() && k < 3);
-    HalfedgeHandle h(mesh->start[triangle]);
-    for (unsigned i = 0; i < k; i++)
-        h = mesh->mesh.next_halfedge_handle(h);
-    const HalfedgeHandle other = mesh->mesh.opposite_halfedge_handle(h);
-    const FaceHandle face = mesh->mesh.face_handle(other);
-    if (!face.is_valid())
-        return HALFEDGE_NONE;
-    HalfedgeHandle walk(mesh->start[static_cast<size_t>(face.idx())]);
-    for (*edge = 0; walk != other; walk = mesh->mesh.next_halfedge_handle(walk))
-        ++*edge;
-    assert(*edge < 3);
-    return static_cast<uint32_t>(face.idx());
+    assert(use < mesh->halfedge.size());
+    const HalfedgeHandle other = mesh->mesh.opposite_halfedge_handle(
+        HalfedgeHandle(mesh->halfedge[use]));
+    return mesh->use[static_cast<size_t>(other.idx())];
 }

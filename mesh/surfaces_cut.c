@@ -1,93 +1,26 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Polygons to triangles: each polygon once, nothing without area. */
 #include <assert.h>
+#include <math.h>
 #include <string.h>
 
 #include "base/array.h"
-#include "mesh/edges.h"
+#include "math/tolerance.h"
 #include "mesh/internal.h"
 #include "mesh/triangulate.h"
 
-/* Sets of vertices seen so far, in a hash table with open addressing. */
-typedef struct {
-    uint32_t *key;      /* sorted vertices of all members */
-    uint32_t *start;    /* [count + 1]  first key of a member */
-    uint32_t *owner;    /* [count]  what the caller knows a member by */
-    uint32_t *slot;     /* [mask + 1]  member + 1, or 0 */
-    uint32_t  count, mask;
-} VertexSets;
-
-static bool sets_create(VertexSets *sets, uint32_t members, size_t keys, Error *err)
-{
-    uint32_t slots = 16;
-    while (slots / 2 < members && slots < UINT32_C(1) << 31)
-        slots *= 2;
-    *sets = (VertexSets){ .mask = slots - 1 };
-    sets->key = array_create(keys, sizeof *sets->key, "face table", err);
-    sets->start = array_create((size_t)members + 1, sizeof *sets->start, "face table", err);
-    sets->owner = array_create(members, sizeof *sets->owner, "face table", err);
-    sets->slot = array_create(slots, sizeof *sets->slot, "face table", err);
-    return !error_is_set(err);
-}
-
-static void sets_clear(VertexSets *sets)
-{
-    array_free(sets->key);
-    array_free(sets->start);
-    array_free(sets->owner);
-    array_free(sets->slot);
-    *sets = (VertexSets){ 0 };
-}
-
-/* Adds n vertices in any order; when the same set is there, nothing is added and its owner comes
- * back instead of PIECE_NONE. `sorted` is room for n. */
-static uint32_t sets_add(VertexSets *sets, const uint32_t *vertex, uint32_t n, uint32_t owner,
-                         uint64_t *sorted)
-{
-    for (uint32_t i = 0; i < n; i++)
-        sorted[i] = vertex[i];
-    edges_sort_keys(sorted, n);
-    uint32_t *key = sets->key + sets->start[sets->count];
-    uint64_t hash = n;
-    for (uint32_t i = 0; i < n; i++) {
-        key[i] = (uint32_t)sorted[i];
-        hash = (hash ^ key[i]) * 0x9E3779B97F4A7C15u;
-        hash ^= hash >> 29;
-    }
-    uint32_t slot = (uint32_t)(hash >> 32) & sets->mask;
-    for (; sets->slot[slot] != 0; slot = (slot + 1) & sets->mask) {
-        const uint32_t m = sets->slot[slot] - 1;
-        if (sets->start[m + 1] - sets->start[m] == n
-            && memcmp(sets->key + sets->start[m], key, n * sizeof *key) == 0)
-            return sets->owner[m];
-    }
-    sets->owner[sets->count] = owner;
-    sets->slot[slot] = ++sets->count;
-    sets->start[sets->count] = sets->start[sets->count - 1] + n;
-    return PIECE_NONE;
-}
-
-/* Whether an outline runs round the same corners as another the other way. */
-static bool is_reverse(const uint32_t *a, const uint32_t *b, uint32_t n)
-{
-    uint32_t at = 0;
-    while (at < n && b[at] != a[0])
-        at++;
-    for (uint32_t k = 0; k < n; k++)
-        if (at == n || b[(at + n - k) % n] != a[k])
-            return false;
-    return true;
-}
+/* In Cutter.back: the polygon has no area. */
+#define FACE_EMPTY (PIECE_NONE - 1)
 
 typedef struct {
-    const Polygons *soup;
-    const Weld     *weld;
-    Triangulation   cut;
-    VertexSets      sets;
-    uint32_t       *corner;  /* welded corners of one polygon */
-    uint32_t       *earlier; /* and of another */
-    uint64_t       *sorted;  /* room for sorting as many */
-    uint32_t       *back;    /* [polygons]  polygon that is its other side, or PIECE_NONE */
+    const Weld   *weld;
+    Repair       *repair;
+    Triangulation cut;
+    VertexSets    sets;
+    uint32_t     *corner;  /* welded corners of one polygon */
+    uint32_t     *earlier; /* and of another */
+    uint64_t     *sorted;  /* room for sorting as many */
+    uint32_t     *back;    /* [polygons]  polygon that is its other side, or PIECE_NONE */
 } Cutter;
 
 static bool pieces_reserve(Pieces *pieces, size_t count, Error *err)
@@ -124,7 +57,7 @@ static bool pieces_append(Pieces *pieces, const Triangulation *cut, uint32_t fac
 /* Welded corners of a polygon; false when one is not a finite point. */
 static bool face_corners(const Cutter *cutter, uint32_t face, uint32_t *corner, uint32_t *count)
 {
-    const Polygons *soup = cutter->soup;
+    const Polygons *soup = cutter->repair->soup;
     *count = soup->first[face + 1] - soup->first[face];
     bool finite = true;
     for (uint32_t i = 0; i < *count; i++) {
@@ -134,90 +67,93 @@ static bool face_corners(const Cutter *cutter, uint32_t face, uint32_t *corner, 
     return finite;
 }
 
-/* A polygon with the corners of an earlier one: its other side, or one too many. */
-static void lay_face(Cutter *cutter, uint32_t face, uint32_t earlier, Notes *notes)
+/* A defect of one face alone, at its first corner that is a point. */
+static bool report_face(const Cutter *cutter, DefectKind kind, bool repaired, uint32_t face,
+                        double measure)
+{
+    const Polygons *soup = cutter->repair->soup;
+    Vec3 at = { 0 };
+    for (uint32_t i = soup->first[face + 1]; i-- > soup->first[face];)
+        if (vec3_finite(soup->position[soup->corner[i]]))
+            at = soup->position[soup->corner[i]];
+    return repair_report(cutter->repair, &(Defect){
+        .kind = kind, .repaired = repaired, .face = face, .other = DEFECT_NO_FACE, .at = at,
+        .measure = measure });
+}
+
+/* A polygon that may have the outline of an earlier one: its other side, or one too many. True when
+ * nothing is left to be done about it. */
+static bool lay_face(Cutter *cutter, uint32_t face, uint32_t earlier)
 {
     uint32_t count;
     face_corners(cutter, earlier, cutter->earlier, &count);
-    if (cutter->back[earlier] == PIECE_NONE
-        && is_reverse(cutter->corner, cutter->earlier, count))
+    const bool reverse = outline_is_same(cutter->corner, cutter->earlier, count, true);
+    if (!reverse && !outline_is_same(cutter->corner, cutter->earlier, count, false))
+        return false; /* the same corners in another order */
+    if (cutter->back[earlier] == FACE_EMPTY) {
+        cutter->repair->repairs.degenerate++;
+        report_face(cutter, DEFECT_DEGENERATE, true, face, 0);
+        return true;
+    }
+    const bool merge = !cutter->repair->options->keep_duplicates;
+    const bool back = reverse && cutter->back[earlier] == PIECE_NONE;
+    if (back && merge)
         cutter->back[earlier] = face;
-    else
-        note_face(&notes->duplicate, face);
+    cutter->repair->repairs.duplicate += merge && !back;
+    repair_report(cutter->repair, &(Defect){
+        .kind = back ? DEFECT_BACK_TO_BACK : DEFECT_DUPLICATE, .repaired = merge,
+        .face = face, .other = earlier, .at = cutter->weld->position[cutter->corner[0]] });
+    return merge;
 }
 
-static bool cut_face(Cutter *cutter, uint32_t face, Pieces *pieces, Notes *notes, Error *err)
+/* How far corners are off the plane through their middle; 0 when no more than by rounding: corners
+ * and plane, which comes from them, are known to a tolerance each. */
+static double off_plane(const Vec3 *position, const uint32_t *corner, uint32_t count)
 {
+    Vec3 middle = { 0 };
+    double largest = 0, farthest = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const Vec3 p = position[corner[i]];
+        middle = vec3_mad(middle, 1.0 / count, p);
+        largest = fmax(largest, fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))));
+    }
+    const Vec3 normal = vec3_unit(triangulate_normal(position, corner, count));
+    for (uint32_t i = 0; i < count; i++)
+        farthest = fmax(farthest, fabs(vec3_dot(normal, vec3_sub(position[corner[i]], middle))));
+    return farthest > 2 * position_tolerance(largest) ? farthest : 0;
+}
+
+static bool report_cut(const Cutter *cutter, uint32_t face, uint32_t count)
+{
+    const Triangulation *cut = &cutter->cut;
+    Repair *repair = cutter->repair;
+    repair->repairs.degenerate += cut->dropped;
+    if (cut->count == 0) {
+        cutter->back[face] = FACE_EMPTY;
+        return report_face(cutter, DEFECT_DEGENERATE, true, face, 0);
+    }
+    if (cut->crossing)
+        return report_face(cutter, DEFECT_CROSSING, false, face, 0);
+    const double off = count <= 3 ? 0 : off_plane(cutter->weld->position, cutter->corner, count);
+    return off == 0 || report_face(cutter, DEFECT_NONPLANAR, true, face, off);
+}
+
+static bool cut_face(Cutter *cutter, uint32_t face, Pieces *pieces)
+{
+    Error *err = cutter->repair->err;
     uint32_t count;
     if (!face_corners(cutter, face, cutter->corner, &count)) {
-        note_face(&notes->degenerate, face);
-        return true;
+        cutter->repair->repairs.degenerate++;
+        return report_face(cutter, DEFECT_NONFINITE, false, face, 0);
     }
     /* Triangles are compared when all is cut, with those that polygons were cut into. */
     const uint32_t earlier = count <= 3 ? PIECE_NONE
                                         : sets_add(&cutter->sets, cutter->corner, count, face,
                                                    cutter->sorted);
-    if (earlier != PIECE_NONE) {
-        lay_face(cutter, face, earlier, notes);
-        return true;
-    }
-    if (!triangulate(&cutter->cut, cutter->weld->position, cutter->corner, count, err))
-        return false;
-    for (uint32_t k = 0; k < cutter->cut.dropped; k++)
-        note_face(&notes->degenerate, face);
-    if (cutter->cut.crossing)
-        note_face(&notes->crossing, face);
-    return pieces_append(pieces, &cutter->cut, face, err);
-}
-
-static void piece_move(Pieces *pieces, uint32_t from, uint32_t to)
-{
-    memmove(pieces->corner + 3 * (size_t)to, pieces->corner + 3 * (size_t)from,
-            3 * sizeof *pieces->corner);
-    pieces->face[to] = pieces->face[from];
-    pieces->back[to] = pieces->back[from];
-    const uint32_t other = pieces->other[from], edge = pieces->diagonal[from] % 3;
-    pieces->other[to] = other;
-    pieces->diagonal[to] = other == PIECE_NONE ? PIECE_NONE : 3 * to + edge;
-    if (other != PIECE_NONE)
-        pieces->other[other] = to;
-}
-
-static void split_quad(Pieces *pieces, uint32_t i)
-{
-    const uint32_t other = pieces->other[i];
-    if (other == PIECE_NONE)
-        return;
-    pieces->diagonal[other] = pieces->diagonal[i] = PIECE_NONE;
-    pieces->other[other] = pieces->other[i] = PIECE_NONE;
-}
-
-/* Leaves out triangles that are there already, or makes them the other side of those; the other
- * half of a quad stays as a triangle. */
-static bool drop_duplicates(Pieces *pieces, Notes *notes, Error *err)
-{
-    VertexSets sets;
-    const bool ok = sets_create(&sets, pieces->count, 3 * (size_t)pieces->count, err);
-    uint32_t kept = 0;
-    for (uint32_t i = 0; ok && i < pieces->count; i++) {
-        uint64_t sorted[3];
-        const uint32_t *corner = pieces->corner + 3 * (size_t)i;
-        const uint32_t earlier = sets_add(&sets, corner, 3, kept, sorted);
-        if (earlier == PIECE_NONE) {
-            piece_move(pieces, i, kept++);
-            continue;
-        }
-        split_quad(pieces, i);
-        if (pieces->back[earlier] == PIECE_NONE
-            && is_reverse(corner, pieces->corner + 3 * (size_t)earlier, 3))
-            pieces->back[earlier] = pieces->face[i];
-        else
-            note_face(&notes->duplicate, pieces->face[i]);
-    }
-    if (ok)
-        pieces->count = kept;
-    sets_clear(&sets);
-    return ok;
+    if (earlier != PIECE_NONE && lay_face(cutter, face, earlier))
+        return !error_is_set(err);
+    return triangulate(&cutter->cut, cutter->weld->position, cutter->corner, count, err)
+        && report_cut(cutter, face, count) && pieces_append(pieces, &cutter->cut, face, err);
 }
 
 static void cutter_clear(Cutter *cutter)
@@ -230,10 +166,15 @@ static void cutter_clear(Cutter *cutter)
     array_free(cutter->back);
 }
 
-static bool cutter_create(Cutter *cutter, uint32_t most, Error *err)
+static bool cutter_create(Cutter *cutter)
 {
-    const Polygons *soup = cutter->soup;
+    const Polygons *soup = cutter->repair->soup;
+    Error *err = cutter->repair->err;
     const uint32_t faces = (uint32_t)soup->polygon_count;
+    uint32_t most = 3;
+    for (uint32_t i = 0; i < faces; i++)
+        if (soup->first[i + 1] - soup->first[i] > most)
+            most = soup->first[i + 1] - soup->first[i];
     cutter->corner = array_create(most, sizeof *cutter->corner, "polygon corners", err);
     cutter->earlier = array_create(most, sizeof *cutter->earlier, "polygon corners", err);
     cutter->sorted = array_create(most, sizeof *cutter->sorted, "polygon corners", err);
@@ -245,29 +186,20 @@ static bool cutter_create(Cutter *cutter, uint32_t most, Error *err)
     return true;
 }
 
-bool pieces_create(Pieces *pieces, const Polygons *soup, const Weld *weld, Notes *notes,
-                   Error *err)
+bool pieces_create(Pieces *pieces, const Weld *weld, Repair *repair)
 {
-    assert(pieces != NULL && soup != NULL && weld != NULL && notes != NULL && err != NULL);
+    assert(pieces != NULL && weld != NULL && repair != NULL);
+    const Polygons *soup = repair->soup;
     assert(soup->polygon_count < UINT32_MAX / 3);
     *pieces = (Pieces){ 0 };
-    const uint32_t faces = (uint32_t)soup->polygon_count;
-    uint32_t most = 3;
-    for (uint32_t i = 0; i < faces; i++)
-        if (soup->first[i + 1] - soup->first[i] > most)
-            most = soup->first[i + 1] - soup->first[i];
-    Cutter cutter = { .soup = soup, .weld = weld };
-    bool ok = cutter_create(&cutter, most, err);
-    for (uint32_t i = 0; ok && i < faces; i++)
-        ok = cut_face(&cutter, i, pieces, notes, err);
+    Cutter cutter = { .weld = weld, .repair = repair };
+    bool ok = cutter_create(&cutter);
+    for (uint32_t i = 0; ok && i < soup->polygon_count; i++)
+        ok = cut_face(&cutter, i, pieces);
     for (uint32_t i = 0; ok && i < pieces->count; i++)
         pieces->back[i] = cutter.back[pieces->face[i]];
     cutter_clear(&cutter);
-    ok = ok && drop_duplicates(pieces, notes, err);
-    /* A triangle may be the other side of one half of a quad only. */
-    for (uint32_t i = 0; ok && i < pieces->count; i++)
-        if (pieces->other[i] != PIECE_NONE && !pieces_alike(pieces, soup, i, pieces->other[i]))
-            split_quad(pieces, i);
+    ok = ok && pieces_merge_triangles(pieces, weld->position, repair);
     if (!ok)
         pieces_clear(pieces);
     return ok;

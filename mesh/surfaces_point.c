@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Questions about a surface at (s, t), and the check of a whole Surfaces. */
+/* Questions about a surface at (s, t). */
 #include <assert.h>
-#include <math.h>
 
-#include "math/tolerance.h"
 #include "mesh/surfaces.h"
 
 void surfaces_parameters(const Surfaces *surfaces, uint32_t primitive, double u, double v,
@@ -65,71 +63,4 @@ Vec3 surfaces_normal(const Surfaces *surfaces, uint32_t primitive, double u, dou
     if (primitive < surfaces->triangle_count)
         return vec3_unit(triangle_cross(surfaces, primitive));
     return shape_normal(&surfaces->shape[primitive - surfaces->triangle_count], u, v);
-}
-
-static uint32_t surface_primitives(const Surface *f) { return f->kind == SURFACE_QUAD ? 2 : 1; }
-
-static bool check_primitives(const Surfaces *s)
-{
-    uint32_t next_triangle = 0, next_shape = s->triangle_count;
-    for (uint32_t i = 0; i < s->count; i++) {
-        const Surface *f = &s->surface[i];
-        uint32_t *next = f->kind == SURFACE_SHAPE ? &next_shape : &next_triangle;
-        if (f->primitive != *next)
-            return false;
-        *next += surface_primitives(f);
-        if (*next > surfaces_primitive_count(s))
-            return false;
-        for (uint32_t k = 0; k < surface_primitives(f); k++)
-            if (surfaces_of_primitive(s, f->primitive + k) != i)
-                return false;
-    }
-    for (size_t i = 0; i < 3 * (size_t)s->triangle_count; i++)
-        if (s->corner[i] >= s->vertex_count)
-            return false;
-    return next_triangle == s->triangle_count && next_shape == surfaces_primitive_count(s);
-}
-
-static bool check_areas(const Surfaces *s)
-{
-    /* Area is a sum of two lengths of cross products, here formed once more in the same way. */
-    const double slack = rounding_bound(64);
-    for (uint32_t i = 0; i < s->count; i++) {
-        const Surface *f = &s->surface[i];
-        double area = 0;
-        if (!(f->area > 0) || !isfinite(f->area))
-            return false;
-        if (f->kind == SURFACE_SHAPE)
-            continue;
-        for (uint32_t k = 0; k < surface_primitives(f); k++)
-            area += vec3_length(triangle_cross(s, f->primitive + k)) / 2;
-        if (!(fabs(area - f->area) <= slack * area))
-            return false;
-        const uint32_t *c = s->corner + 3 * (size_t)f->primitive;
-        if (f->kind == SURFACE_QUAD && (c[0] != c[3] || c[2] != c[4]))
-            return false;
-    }
-    return true;
-}
-
-static bool check_neighbours(const Surfaces *s)
-{
-    for (uint32_t i = 0; i < s->count; i++)
-        for (int k = 0; k < 4; k++) {
-            const uint32_t j = s->surface[i].neighbour[k];
-            if (j == SURFACE_NONE)
-                continue;
-            if (j >= s->count)
-                return false;
-            const uint32_t *back = s->surface[j].neighbour;
-            if (back[0] != i && back[1] != i && back[2] != i && back[3] != i)
-                return false;
-        }
-    return true;
-}
-
-bool surfaces_check(const Surfaces *surfaces)
-{
-    assert(surfaces != NULL);
-    return check_primitives(surfaces) && check_areas(surfaces) && check_neighbours(surfaces);
 }

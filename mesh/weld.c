@@ -5,11 +5,12 @@
 #include <assert.h>
 #include <math.h>
 #include <stdbool.h>
+#include <string.h>
 
 #include "base/array.h"
 
 enum {
-    LEVELS = 64,      /* powers of two of the tolerance, from the largest down */
+    LEVELS = 63,      /* powers of two of the tolerance, from the largest down; below them: exact */
     CELL_FACTOR = 16, /* cell edge / tolerance: a search seldom looks into a second cell */
 };
 
@@ -32,10 +33,9 @@ typedef struct {
 static int tolerance_level(const Grid *grid, double tolerance)
 {
     int exponent = 0;
-    if (tolerance > 0)
-        (void)frexp(tolerance, &exponent);
-    else
-        exponent = grid->top - LEVELS;
+    if (!(tolerance > 0))
+        return LEVELS;
+    (void)frexp(tolerance, &exponent);
     const int level = grid->top - exponent;
     return level < 0 ? 0 : level >= LEVELS ? LEVELS - 1 : level;
 }
@@ -52,6 +52,15 @@ static uint32_t cell_hash(const Grid *grid, int level, int64_t x, int64_t y, int
     h = (h ^ (h >> 29) ^ (uint64_t)y) * 0xBF58476D1CE4E5B9u;
     h = (h ^ (h >> 32) ^ (uint64_t)z) * 0x94D049BB133111EBu;
     return (uint32_t)(h >> 32) & grid->mask;
+}
+
+/* Bucket of a position that only equal ones are welded to. */
+static uint32_t exact_bucket(const Grid *grid, Vec3 p)
+{
+    int64_t bits[3];
+    const double x[3] = { p.x + 0.0, p.y + 0.0, p.z + 0.0 }; /* -0 is 0 */
+    memcpy(bits, x, sizeof bits);
+    return cell_hash(grid, LEVELS, bits[0], bits[1], bits[2]);
 }
 
 /* The best vertex of one bucket: nearest, then first made. */
@@ -72,6 +81,10 @@ static void bucket_search(const Grid *grid, uint32_t bucket, uint32_t i, double 
 static void level_search(const Grid *grid, int level, uint32_t i, double *best, uint32_t *vertex)
 {
     const Vec3 p = grid->position[i];
+    if (level == LEVELS) {
+        bucket_search(grid, exact_bucket(grid, p), i, best, vertex);
+        return;
+    }
     const double cell = level_cell(grid, level);
     const double reach = fmin(grid->tolerance[i], cell / CELL_FACTOR);
     if (fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))) / cell > CELL_LIMIT)
@@ -97,10 +110,12 @@ static void grid_insert(Grid *grid, uint32_t i)
     weld->position[v] = p;
     weld->vertex[i] = v;
     grid->origin[v] = i;
-    if (fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))) / cell > CELL_LIMIT)
+    if (level < LEVELS && fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))) / cell > CELL_LIMIT)
         return; /* found by nobody: it stays a vertex of its own */
-    const uint32_t bucket = cell_hash(grid, level, (int64_t)floor(p.x / cell),
-                                      (int64_t)floor(p.y / cell), (int64_t)floor(p.z / cell));
+    const uint32_t bucket = level == LEVELS
+        ? exact_bucket(grid, p)
+        : cell_hash(grid, level, (int64_t)floor(p.x / cell), (int64_t)floor(p.y / cell),
+                    (int64_t)floor(p.z / cell));
     grid->next[v] = grid->head[bucket];
     grid->head[bucket] = v;
     grid->used |= UINT64_C(1) << level;

@@ -230,27 +230,31 @@ static void hear(void *user, const char *code, const char *where, const char *te
 static void test_winding(void **state)
 {
     (void)state;
-    /* One face of a box turned: neighbours stay, its own winding stays, the monitor hears. */
-    Polygons soup;
-    soup_start(&soup);
-    soup_box(&soup, vec3(0, 0, 0), vec3(1, 1, 1), 0, 1u << 1);
-    soup_polygon(&soup, (Vec3[]){ { 0, 0, 1 }, { 0, 1, 1 }, { 1, 1, 1 }, { 1, 0, 1 } }, 4, 0, 0);
-    Heard heard = { 0 };
-    const Monitor monitor = { .user = &heard, .warn = hear };
-    Error err = { 0 };
-    Surfaces *s = surfaces_create(&soup, &monitor, &err);
-    assert_non_null(s);
-    assert_true(surfaces_check(s) && s->closed);
-    assert_int_equal(s->repairs.flipped, 0);
-    assert_int_equal(heard.warnings, 1);
-    assert_string_equal(heard.code, "winding-inconsistent");
-    SurfacePoint at;
-    surfaces_point(s, 5, 0.5, 0.5, &at);
-    assert_true(at.normal.z == -1);
-    for (int k = 0; k < 4; k++)
-        assert_int_not_equal(s->surface[5].neighbour[k], SURFACE_NONE);
-    surfaces_destroy(s);
-    polygons_clear(&soup);
+    /* One face of a box turned: it is turned back, the monitor hears. Neighbours do not mind. */
+    for (int keep = 0; keep < 2; keep++) {
+        Polygons soup;
+        soup_start(&soup);
+        soup_box(&soup, vec3(0, 0, 0), vec3(1, 1, 1), 0, 1u << 1);
+        soup_polygon(&soup, (Vec3[]){ { 0, 0, 1 }, { 0, 1, 1 }, { 1, 1, 1 }, { 1, 0, 1 } }, 4, 0,
+                     0);
+        Heard heard = { 0 };
+        const Monitor monitor = { .user = &heard, .warn = hear };
+        const SurfaceOptions options = { .keep_winding = keep != 0 };
+        Error err = { 0 };
+        Surfaces *s = surfaces_repair(&soup, &options, NULL, &monitor, &err);
+        assert_non_null(s);
+        assert_true(surfaces_check(s) && s->closed);
+        assert_int_equal(s->repairs.flipped, !keep);
+        assert_int_equal(heard.warnings, 1);
+        assert_string_equal(heard.code, keep ? "winding-inconsistent" : "winding-repaired");
+        SurfacePoint at;
+        surfaces_point(s, 5, 0.5, 0.5, &at);
+        assert_true(at.normal.z == (keep ? -1 : 1));
+        for (int k = 0; k < 4; k++)
+            assert_int_not_equal(s->surface[5].neighbour[k], SURFACE_NONE);
+        surfaces_destroy(s);
+        polygons_clear(&soup);
+    }
 }
 
 /* A Moebius strip of quads cannot be wound: cut at one place, nothing lost. */

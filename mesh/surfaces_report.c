@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What was found wrong while connecting: listed, counted, told. */
+#include <assert.h>
+#include <math.h>
+
+#include "math/tolerance.h"
+#include "mesh/internal.h"
+
+bool repair_report(Repair *repair, const Defect *defect)
+{
+    assert(repair != NULL && defect != NULL && defect->kind < DEFECT_KINDS);
+    Note *note = &repair->note[defect->kind][defect->repaired];
+    if (note->count++ == 0)
+        note->first = defect->face;
+    return defects_add(repair->defects, defect, repair->err);
+}
+
+double repair_reach(const Repair *repair, Vec3 p, Vec3 q)
+{
+    if (repair->options->weld > 0)
+        return repair->options->weld;
+    const Vec3 most = vec3_max(vec3_max(p, q), vec3_scale(vec3_min(p, q), -1));
+    return position_tolerance(fmax(most.x, fmax(most.y, most.z)));
+}
+
+void repair_tell(const Repair *repair, const Monitor *monitor)
+{
+    static const struct {
+        DefectKind  kind;
+        bool        repaired;
+        const char *code, *text;
+    } told[] = {
+        { DEFECT_NONFINITE, false, "nonfinite",
+          "faces have a corner that is not a finite number and were left out" },
+        { DEFECT_DEGENERATE, true, "degenerate", "faces without area were left out" },
+        { DEFECT_DUPLICATE, true, "duplicate",
+          "faces lie exactly on an earlier face and were left out" },
+        { DEFECT_DUPLICATE, false, "duplicate", "faces lie exactly on an earlier face" },
+        { DEFECT_CROSSING, false, "polygon-crossing",
+          "polygons have an outline that crosses itself; their filling is a guess" },
+        { DEFECT_NONMANIFOLD, true, "nonmanifold",
+          "edges have more than two faces; these were linked two and two" },
+        { DEFECT_NONMANIFOLD, false, "nonmanifold",
+          "edges have more than two faces; these were not linked there" },
+        { DEFECT_WINDING, true, "winding-repaired",
+          "faces were wound against their neighbours and were turned round" },
+        { DEFECT_WINDING, false, "winding-inconsistent",
+          "faces are wound against their neighbours; fronts and backs are as in the file" },
+        { DEFECT_REFUSED, false, "refused",
+          "triangles did not fit into the half-edge mesh; they are kept, apart from it" },
+    };
+    const Polygons *soup = repair->soup;
+    if (repair->many_junctions)
+        monitor_warn(monitor, "junctions", "",
+                     "too many edges lie on each other in one line: not all were stitched");
+    for (size_t i = 0; i < sizeof told / sizeof *told; i++) {
+        const Note *note = &repair->note[told[i].kind][told[i].repaired];
+        if (note->count == 0)
+            continue;
+        const bool polygon = note->first < soup->polygon_count;
+        const size_t shape = polygon ? 0 : note->first - soup->polygon_count;
+        const uint32_t group = polygon ? soup->group[note->first] : soup->shape[shape].group;
+        monitor_warn(monitor, told[i].code, soup->group_name[group],
+                     "%u %s; the first is %s %zu of the file, in group \"%s\"", note->count,
+                     told[i].text, polygon ? "face" : "curved face",
+                     polygon ? (size_t)note->first + 1 : shape + 1, soup->group_name[group]);
+    }
+}
