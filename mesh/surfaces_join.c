@@ -78,19 +78,6 @@ static uint32_t whole_across(const Connection *connection, uint32_t use)
     return s->first != NULL && s->first[there] != s->first[there + 1] ? PIECE_NONE : there;
 }
 
-/* The use of the same edge in the triangle on the other side when neither has stitches. */
-static uint32_t whole_across(const Connection *connection, uint32_t use)
-{
-    const Stitches *s = connection->stitches;
-    if (s->first != NULL && s->first[use] != s->first[use + 1])
-        return PIECE_NONE;
-    const uint32_t other = connection_across(connection, stitches_link(s, use));
-    if (other == PIECE_NONE)
-        return PIECE_NONE;
-    const uint32_t there = connection_use(connection, other);
-    return s->first != NULL && s->first[there] != s->first[there + 1] ? PIECE_NONE : there;
-}
-
 bool pieces_join(Pieces *pieces, const Connection *connection, const Polygons *soup,
                  const Vec3 *position, Error *err)
 {
