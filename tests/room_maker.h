@@ -69,11 +69,10 @@ static inline void room_box(TestRoom *r, Vec3 lo, Vec3 hi, int faces, bool inwar
     }
 }
 
-static inline void room_connect(TestRoom *r)
+/* Makes all that comes with the surfaces. */
+static inline void room_trace(TestRoom *r)
 {
     Error err = { 0 };
-    r->surfaces = surfaces_create(&r->soup, NULL, &err);
-    assert_non_null(r->surfaces);
     const Primitives p = { .position = r->surfaces->position, .corner = r->surfaces->corner,
                            .shape = r->surfaces->shape,
                            .vertex_count = r->surfaces->vertex_count,
@@ -85,6 +84,14 @@ static inline void room_connect(TestRoom *r)
     r->emitting = array_create(r->surfaces->count, 1, "sides", &err);
     assert_non_null(r->sides);
     assert_non_null(r->emitting);
+}
+
+static inline void room_connect(TestRoom *r)
+{
+    Error err = { 0 };
+    r->surfaces = surfaces_create(&r->soup, NULL, &err);
+    assert_non_null(r->surfaces);
+    room_trace(r);
 }
 
 /* Finds sides and divides into patches no larger than size. */
