@@ -74,6 +74,8 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       "stop when the missing power falls below this share" },
     { OPTION_MAX_ITERATIONS, "--max-iterations", "N", SOLVING, KIND_COUNT, FIELD(max_iterations),
       1, UINT32_MAX, NULL, "sweeps, or shots of progressive; default: no limit" },
+    { OPTION_TRACE, "--trace", "FILE", SOLVING, KIND_TEXT, FIELD(trace), 0, 0, NULL,
+      "CSV of the solver: step, seconds, rays, residual, unshot, error bound" },
     { OPTION_SIZE, "--size", "WxH", COMMAND_RENDER, KIND_PIXELS, FIELD(size), 0, 0,
       NULL, "picture size in pixels (default: the scene's, or 512x512)" },
     { OPTION_SPP, "--spp", "N", COMMAND_RENDER, KIND_COUNT, FIELD(spp), 1, 1 << 20, NULL,

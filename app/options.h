@@ -66,6 +66,7 @@ typedef enum {
     OPTION_SOLVER,
     OPTION_TOLERANCE,
     OPTION_MAX_ITERATIONS,
+    OPTION_TRACE,
     OPTION_SIZE,
     OPTION_SPP,
     OPTION_GATHER_RAYS,
@@ -96,7 +97,7 @@ typedef struct Options {
     const char *scene;       /* NULL: none given; compare: the reference */
     const char *other;       /* compare: the picture */
     uint64_t    given;       /* bit OptionId: it was on the command line */
-    const char *output, *json, *camera, *points, *filter;
+    const char *output, *json, *camera, *points, *filter, *trace;
     int         quality, progress, closure, solver, by, emit, sides, units, light;
     bool        print_config, diffuse, help, adapt, no_adapt, constant;
     uint32_t    repair;      /* bit RepairBit: do it */

@@ -126,7 +126,7 @@ static double by_gauss(const Edge *p, const Edge *q)
     return 0.5 * p->length * sum;
 }
 
-/* Where along p the integrand may have a kink: next to q's ends, and where the lines are nearest. */
+/* Where along p the integrand may have a kink: next to q's ends and where the lines are nearest. */
 static int kinks(const Edge *p, const Edge *q, double cut[MOST_CUTS])
 {
     const Vec3 way = vec3_sub(q->from, p->from);

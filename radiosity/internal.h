@@ -18,6 +18,10 @@ typedef struct {
     unsigned            bands, threads;
     double              tolerance;
     uint32_t            max_iterations; /* UINT32_MAX: no limit */
+    const SolveOptions *options;
+    const Solution     *solution;       /* being made */
+    double              begin;          /* seconds of the clock at the start */
+    double              darkest;        /* 1 - largest rho */
     double             *source;         /* [count * bands]  E + rho H0 */
     double             *power;          /* [bands]  sum of A (E + rho H0) */
     double             *chunk_sum;      /* [chunks * bands]  scratch of solve_apply */

@@ -150,8 +150,26 @@ bool solve_stalled(SolveStall *stall, double residual)
     return ++stall->since > STALL_ITERATIONS;
 }
 
+static double clock_seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void trace_step(const SolveSystem *system, double left)
+{
+    const SolveStep step = { .step = system->solution->iterations,
+                             .seconds = clock_seconds() - system->begin, .residual = left,
+                             .unshot = system->solution->unshot,
+                             .error_bound = left / system->darkest };
+    system->options->trace(system->options->trace_user, &step);
+}
+
 bool solve_report(const SolveSystem *system, double left)
 {
+    if (system->options->trace != NULL)
+        trace_step(system, left);
     /* Residuals fall geometrically, so progress is the share of decades that is done. */
     const double decades = log(fmax(system->tolerance, DBL_MIN));
     const double done = left > 0 && left < 1 ? log(left) / decades : left > 0 ? 0 : 1;
@@ -192,7 +210,8 @@ static bool system_init(SolveSystem *system, const Links *links, const SolveProb
     const size_t bands = problem->bands, count = links->count;
     *system = (SolveSystem){
         .links = links, .problem = problem, .monitor = monitor, .bands = problem->bands,
-        .threads = options->threads,
+        .threads = options->threads, .options = options, .darkest = 1,
+        .begin = clock_seconds(),
         .tolerance = options->tolerance > 0 ? options->tolerance : DEFAULT_TOLERANCE,
         .max_iterations = options->max_iterations > 0 ? options->max_iterations : UINT32_MAX,
     };
@@ -206,6 +225,7 @@ static bool system_init(SolveSystem *system, const Links *links, const SolveProb
         return false;
     for (size_t k = 0; k < count * bands; k++) {
         const double received = problem->received != NULL ? problem->received[k] : 0;
+        system->darkest = fmin(system->darkest, 1 - problem->reflectance[k]);
         system->source[k] = problem->emission[k] + problem->reflectance[k] * received;
         system->power[k % bands] += links->area[k / bands] * system->source[k];
     }
@@ -263,13 +283,11 @@ Solution *solve(const Links *links, const SolveProblem *problem, const SolveOpti
         return NULL;
     assert(links != NULL && problem != NULL && options != NULL);
     assert(problem->bands > 0 && problem->emission != NULL && problem->reflectance != NULL);
-    struct timespec start, end;
-    clock_gettime(CLOCK_MONOTONIC, &start);
-
+    const double start = clock_seconds();
     SolveSystem system;
     Solution *solution = NULL;
     if (system_init(&system, links, problem, options, monitor, err))
-        solution = solution_create(links->count, problem->bands, err);
+        system.solution = solution = solution_create(links->count, problem->bands, err);
     if (solution != NULL && run(&system, options, solution, err)) {
         /* Steps along directions may end a rounding below what a patch sends out by itself. */
         for (size_t k = 0; k < (size_t)solution->count * solution->bands; k++)
@@ -282,11 +300,8 @@ Solution *solve(const Links *links, const SolveProblem *problem, const SolveOpti
         solution = solution_destroy(solution);
     }
     system_clear(&system);
-    if (solution != NULL) {
-        clock_gettime(CLOCK_MONOTONIC, &end);
-        solution->seconds = (double)(end.tv_sec - start.tv_sec) +
-                            1e-9 * (double)(end.tv_nsec - start.tv_nsec);
-    }
+    if (solution != NULL)
+        solution->seconds = clock_seconds() - start;
     return solution;
 }
 

@@ -32,6 +32,15 @@ typedef struct {
     const double *received;     /* [count * bands]  H0 >= 0, irradiance from outside; NULL: none */
 } SolveProblem;
 
+/* What is known after a step: an iteration, or a number of shots. */
+typedef struct {
+    uint32_t step;         /* iterations or shots so far */
+    double   seconds;      /* since the solver began */
+    double   residual;     /* what this solver knows of it; 0..1 */
+    double   unshot;       /* power not yet distributed, 0..1 */
+    double   error_bound;  /* of the relative error in power: residual / (1 - largest rho) */
+} SolveStep;
+
 typedef struct {
     Solver   solver;
     double   tolerance;        /* stop when the residual is below; 0: 1e-6 */
@@ -39,6 +48,9 @@ typedef struct {
     double   relaxation;       /* of SOR, 0 < w < 2; 0: found from the first sweeps */
     bool     no_ambient;       /* progressive, stopped early: leave the ambient estimate out */
     unsigned threads;
+    /* called after every step, from the caller's thread; NULL: not */
+    void   (*trace)(void *user, const SolveStep *step);
+    void    *trace_user;
 } SolveOptions;
 
 typedef struct {

@@ -203,6 +203,7 @@ bool solve_conjugate_gradients(const SolveSystem *system, Solution *solution, Er
                 conjugate_step(&c, &m);
                 solution->iterations++;
                 left = conjugate_left(&c, system);
+                solution->unshot = fmin(left, 1);
                 stop = solve_report(system, left);
             }
             left = conjugate_restart(&c, system, solution);
@@ -357,6 +358,7 @@ static bool gmres_cycle(Gmres *m, Product *k, Solution *solution)
                           solution->iterations < m->inner.max_iterations; kept++) {
         left = gmres_extend(m, k, kept);
         solution->iterations++;
+        solution->unshot = fmin(left, 1);
         stop = solve_report(&m->inner, left);
     }
     gmres_collect(m, kept, solution->radiosity);

@@ -207,6 +207,7 @@ bool solve_progressive(const SolveSystem *system, bool ambient, Solution *soluti
         }
         if (solution->iterations >= system->max_iterations || s.key[s.best[1]] <= 0)
             break;
+        solution->unshot = fmin(solve_relative(system, s.left), 1);
         if (solution->iterations % SHOTS_PER_REPORT == 0 &&
             solve_report(system, solve_relative(system, s.residual)))
             break;
