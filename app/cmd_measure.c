@@ -122,6 +122,6 @@ bool cmd_measure(Pipeline *pipeline, int *exit_code, Error *err)
         pipeline->point_count = points.count;
         done = measure_points(pipeline, &points, exit_code, err);
     }
-    points_clear(&points);
+    points_free(&points);
     return done;
 }

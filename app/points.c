@@ -164,7 +164,7 @@ bool points_read(Points *points, const char *path, Error *err)
     return good;
 }
 
-void points_clear(Points *points)
+void points_free(Points *points)
 {
     array_free(points->point);
     array_free(points->given);

@@ -21,10 +21,10 @@ typedef struct {
 } Points;
 
 /* Reads a file; "-" is standard input. *points starts as { 0 }.
- * fails  false and ERROR_INPUT with file and line; points_clear is due in any case. */
+ * fails  false and ERROR_INPUT with file and line; points_free is due in any case. */
 bool points_read(Points *points, const char *path, Error *err);
 /* The same from text with a 0 after its last byte; `name` is for messages. */
 bool points_parse(Points *points, const char *text, size_t size, const char *name, Error *err);
-void points_clear(Points *points);
+void points_free(Points *points);
 
 #endif

@@ -150,7 +150,7 @@ static void points_in_many_forms(void **state)
     assert_int_equal(points.count, 3);
     assert_true(points.point[0].z == 3 && points.normal[0].z == 1 && points.given[0].z == 2);
     assert_true(points.normal[1].y == 1 && points.normal[2].x == -1);
-    points_clear(&points);
+    points_free(&points);
     assert_int_equal(array_live(), 0);
 }
 
@@ -174,7 +174,7 @@ static void points_that_are_none(void **state)
         assert_false(points_parse(&points, cases[i].text, strlen(cases[i].text), "p.csv", &err));
         assert_string_equal(err.text, cases[i].message);
         assert_int_equal(err.code, ERROR_INPUT);
-        points_clear(&points);
+        points_free(&points);
     }
     assert_int_equal(array_live(), 0);
 }

@@ -21,7 +21,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     for (size_t i = 0; i < points.count; i++)
         if (!vec3_finite(points.point[i]) || !(fabs(vec3_length(points.normal[i]) - 1) < 1e-9))
             abort();
-    points_clear(&points);
+    points_free(&points);
     free(text);
     if (array_live() != 0)
         abort();
