@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The way from surfaces to patches: divide, find edges, make vertices, polygons, measures. */
+/* The way from surfaces to patches: divide, number, find edges, make vertices, faces, measures. */
 #include "mesh/patches.h"
 
 #include <assert.h>
-#include <math.h>
 
 #include "base/array.h"
 #include "mesh/patches_internal.h"
 
-static bool allocate_surfaces(PatchBuilder *b)
+static const uint64_t PATCHES_MOST = UINT64_C(1) << 31; /* as the header says */
+
+bool patches_allocate_surfaces(PatchBuilder *b)
 {
     Patches *out = b->out;
     const uint32_t n = out->surface_count = b->surfaces->count;
@@ -18,125 +19,134 @@ static bool allocate_surfaces(PatchBuilder *b)
         out->first[side] = array_create(n, sizeof *out->first[side], "patches", b->err);
         out->first_face[side] = array_create(n, sizeof *out->first_face[side], "patches", b->err);
         out->tree_first[side] = array_create(n, sizeof *out->tree_first[side], "patches", b->err);
-        out->grid_first[side] = array_create(n, sizeof *out->grid_first[side], "patches", b->err);
     }
-    return !error_is_set(b->err);
+    b->block = array_create(2 * (size_t)n, sizeof *b->block, "patches", b->err);
+    b->block_merged = array_create(2 * (size_t)n, sizeof *b->block_merged, "patches", b->err);
+    if (error_is_set(b->err))
+        return false;
+    for (uint32_t i = 0; i < n; i++)
+        for (unsigned side = 0; side < 2; side++)
+            out->first[side][i] = out->tree_first[side][i] = PATCH_NONE;
+    return true;
 }
 
-static void number_patches(PatchBuilder *b)
+/* --- numbers ---------------------------------------------------------------------------------- */
+
+static bool number_patches(PatchBuilder *b)
 {
     Patches *out = b->out;
-    for (uint32_t i = 0; i < out->surface_count; i++)
-        for (unsigned side = 0; side < 2; side++) {
-            out->first[side][i] = out->tree_first[side][i] = PATCH_NONE;
-            if (patches_side_used(b, i, side)) {
-                out->first[side][i] = out->first_face[side][i] = out->count;
-                out->count += patches_of_side(out, b->surfaces, i);
+    uint64_t patches = 0, faces = 0;
+    for (uint32_t k = 0; k < b->block_count; k++) {
+        const uint32_t surface = b->block[k] / 2, side = b->block[k] % 2;
+        const uint32_t merged = b->block_merged[k];
+        if (merged == PATCH_NONE) {
+            out->first[side][surface] = (uint32_t)patches;
+            out->first_face[side][surface] = (uint32_t)faces;
+            const uint32_t cells = patches_side_cells(out, b->surfaces, surface, side);
+            patches += cells;
+            faces += cells;
+        } else {
+            for (uint32_t i = b->merged_first[merged]; i < b->merged_first[merged + 1]; i++) {
+                out->first[side][b->merged_piece[i]] = (uint32_t)patches;
+                out->first_face[side][b->merged_piece[i]] = (uint32_t)faces++;
             }
+            patches++;
         }
+        if (patches > PATCHES_MOST || faces > PATCHES_MOST)
+            return error_set(b->err, ERROR_INPUT, "more than 2^31 patches");
+    }
+    out->count = (uint32_t)patches;
+    out->face_count = (uint32_t)faces;
+    return true;
 }
 
 static bool allocate_patches(PatchBuilder *b)
 {
     Patches *out = b->out;
-    const uint32_t n = out->count;
+    const size_t n = out->count, faces = out->face_count;
+    const size_t pieces = b->merged_count == 0 ? 0 : b->merged_first[b->merged_count];
     Error *err = b->err;
     out->surface = array_create(n, sizeof *out->surface, "patches", err);
     out->side = array_create(n, sizeof *out->side, "patches", err);
+    out->cell = array_create(n, sizeof *out->cell, "patches", err);
     out->material = array_create(n, sizeof *out->material, "patches", err);
     out->group = array_create(n, sizeof *out->group, "patches", err);
     out->area = array_create(n, sizeof *out->area, "patches", err);
     out->centre = array_create(n, sizeof *out->centre, "patches", err);
     out->normal = array_create(n, sizeof *out->normal, "patches", err);
-    out->cell = array_create(n, sizeof *out->cell, "patches", err);
-    out->first_piece = array_create((size_t)n + 1, sizeof *out->first_piece, "patches", err);
-    out->piece = array_create(0, sizeof *out->piece, "patches", err);
-    out->piece_end = array_create(0, sizeof *out->piece_end, "patches", err);
-    out->tree = array_create(0, sizeof *out->tree, "patches", err);
+    out->first_piece = array_create(n + 1, sizeof *out->first_piece, "patches", err);
+    out->piece = array_create(pieces, sizeof *out->piece, "patches", err);
+    out->piece_end = array_create(pieces, sizeof *out->piece_end, "patches", err);
     out->face_of = array_create(n, sizeof *out->face_of, "patches", err);
-    out->face_patch = array_create(n, sizeof *out->face_patch, "patches", err);
-    out->face_count = n;
-    out->first_corner = array_create((size_t)n + 1, sizeof *out->first_corner, "patches", err);
-    b->corner_capacity = 4 * (size_t)n;
+    out->face_patch = array_create(faces, sizeof *out->face_patch, "patches", err);
+    out->first_corner = array_create(faces + 1, sizeof *out->first_corner, "patches", err);
+    if (out->tree == NULL)
+        out->tree = array_create(0, sizeof *out->tree, "patches", err);
+    b->corner_capacity = b->along_capacity = 4 * faces;
     out->corner = array_create(b->corner_capacity, sizeof *out->corner, "patch corners", err);
+    out->corner_along = array_create(b->along_capacity, sizeof *out->corner_along, "patch corners",
+                                     err);
     return !error_is_set(err);
 }
 
-/* Area of s0..s1, t0..t1 that lies under the diagonal t = s, in units of (s, t). */
-static double under_diagonal(double s0, double s1, double t0, double t1)
-{
-    if (s0 >= t1)
-        return (s1 - s0) * (t1 - t0);
-    if (s1 <= t0)
-        return 0;
-    /* The integral over s of clamp(s - t0, 0, t1 - t0): a slope, then a plateau. */
-    const double from = fmax(s0, t0), to = fmin(s1, t1);
-    const double slope = (to - from) * ((to - t0) + (from - t0)) / 2;
-    return slope + fmax(s1 - t1, 0) * (t1 - t0);
-}
-
-static double quad_cell_area(const Surfaces *s, uint32_t surface, double s0, double s1, double t0,
-                             double t1)
-{
-    SurfacePoint under, over;
-    surfaces_point(s, surface, 1, 0, &under);
-    surfaces_point(s, surface, 0, 1, &over);
-    const double whole = (s1 - s0) * (t1 - t0), part = under_diagonal(s0, s1, t0, t1);
-    return under.density * part + over.density * (whole - part);
-}
-
-static double cell_area(const PatchBuilder *b, uint32_t surface, PatchCell cell)
-{
-    const Surface *f = &b->surfaces->surface[surface];
-    const double nu = b->out->nu[surface], nv = b->out->nv[surface];
-    if (f->kind == SURFACE_TRIANGLE)
-        return f->area / (nu * nv);
-    const double s0 = cell.i / nu, s1 = (cell.i + 1) / nu;
-    const double t0 = cell.j / nv, t1 = (cell.j + 1) / nv;
-    if (f->kind == SURFACE_QUAD)
-        return quad_cell_area(b->surfaces, surface, s0, s1, t0, t1);
-    return shape_area(&b->surfaces->shape[f->primitive - b->surfaces->triangle_count], s0, s1, t0,
-                      t1);
-}
-
-static void cell_centre(const PatchBuilder *b, uint32_t surface, PatchCell cell, SurfacePoint *at)
-{
-    const double nu = b->out->nu[surface], nv = b->out->nv[surface];
-    double within = 0.5;
-    if (b->surfaces->surface[surface].kind == SURFACE_TRIANGLE)
-        within = cell.upper ? 2.0 / 3 : 1.0 / 3;
-    surfaces_point(b->surfaces, surface, (cell.i + within) / nu, (cell.j + within) / nv, at);
-}
-
-static void measure_side(PatchBuilder *b, uint32_t surface, unsigned side)
+static void fill_merged(PatchBuilder *b, uint32_t merged, uint32_t patch)
 {
     Patches *out = b->out;
-    const uint32_t first = out->first[side][surface];
-    const uint32_t front = out->first[0][surface];
-    const uint32_t count = patches_of_side(out, b->surfaces, surface);
-    for (uint32_t k = 0; k < count; k++) {
-        const PatchCell cell = patches_cell(out, b->surfaces, surface, k);
-        const uint32_t i = first + k;
-        SurfacePoint at;
-        cell_centre(b, surface, cell, &at);
-        out->surface[i] = surface;
-        out->side[i] = (uint8_t)side;
-        out->cell[i] = cell;
-        out->face_of[i] = out->face_patch[i] = i;
-        out->material[i] = surfaces_material(b->surfaces, surface, side);
-        out->group[i] = surfaces_group(b->surfaces, surface, side);
-        out->centre[i] = at.point;
-        out->normal[i] = side == 0 ? at.normal : vec3_scale(at.normal, -1);
-        /* Both sides are cut alike. */
-        out->area[i] = side == 1 && front != PATCH_NONE ? out->area[front + k]
-                                                        : cell_area(b, surface, cell);
-        out->total_area += out->area[i];
+    uint32_t piece = out->first_piece[patch], face = out->face_of[patch];
+    for (uint32_t i = b->merged_first[merged]; i < b->merged_first[merged + 1]; i++) {
+        out->piece[piece++] = b->merged_piece[i];
+        out->face_patch[face++] = patch;
+    }
+    out->first_piece[patch + 1] = piece;
+}
+
+static void fill_patches(PatchBuilder *b)
+{
+    Patches *out = b->out;
+    for (uint32_t k = 0; k < b->block_count; k++) {
+        const uint32_t surface = b->block[k] / 2, side = b->block[k] % 2;
+        const uint32_t merged = b->block_merged[k], first = out->first[side][surface];
+        const bool grid = merged == PATCH_NONE;
+        const uint32_t count = grid ? patches_side_cells(out, b->surfaces, surface, side) : 1;
+        if (grid)
+            patches_fill_cells(out, b->surfaces, surface, side, out->cell + first);
+        for (uint32_t i = first; i < first + count; i++) {
+            out->surface[i] = surface;
+            out->side[i] = (uint8_t)side;
+            out->material[i] = surfaces_material(b->surfaces, surface, side);
+            out->group[i] = surfaces_group(b->surfaces, surface, side);
+            out->face_of[i] = out->first_face[side][surface] + (i - first);
+            out->first_piece[i + 1] = out->first_piece[i];
+            if (grid)
+                out->face_patch[out->face_of[i]] = i;
+            else
+                fill_merged(b, merged, i);
+        }
     }
 }
 
-static void builder_clear(PatchBuilder *b)
+bool patches_build(PatchBuilder *b)
+{
+    if (!number_patches(b) || !patches_find_points(b) || !patches_start_vertices(b)
+        || !allocate_patches(b))
+        return false;
+    fill_patches(b);
+    if (!patches_make_faces(b))
+        return false;
+    patches_measure(b);
+    return true;
+}
+
+/* --- making and ending ------------------------------------------------------------------------ */
+
+void patches_builder_clear(PatchBuilder *b)
 {
     edges_clear(&b->edges);
+    array_free(b->block);
+    array_free(b->block_merged);
+    array_free(b->merged_first);
+    array_free(b->merged_piece);
+    array_free(b->stitch_use);
     array_free(b->from);
     array_free(b->to);
     array_free(b->mate);
@@ -147,19 +157,15 @@ static void builder_clear(PatchBuilder *b)
     array_free(b->run);
 }
 
-static bool build(PatchBuilder *b, const PatchOptions *options, const Monitor *monitor)
+/* In the order of surfaces, the front first. */
+static void order_blocks(PatchBuilder *b)
 {
-    if (!allocate_surfaces(b) || !patches_divide(b, options, monitor))
-        return false;
-    number_patches(b);
-    if (!patches_find_edges(b) || !patches_make_vertices(b) || !allocate_patches(b)
-        || !patches_make_polygons(b))
-        return false;
-    for (uint32_t i = 0; i < b->out->surface_count; i++)
+    for (uint32_t i = 0; i < b->surfaces->count; i++)
         for (unsigned side = 0; side < 2; side++)
-            if (patches_side_used(b, i, side))
-                measure_side(b, i, side);
-    return true;
+            if (patches_side_used(b, i, side)) {
+                b->block[b->block_count] = 2 * i + side;
+                b->block_merged[b->block_count++] = PATCH_NONE;
+            }
 }
 
 Patches *patches_create(const Surfaces *surfaces, const PatchOptions *options,
@@ -173,8 +179,11 @@ Patches *patches_create(const Surfaces *surfaces, const PatchOptions *options,
     b.out = array_create(1, sizeof *b.out, "patches", err);
     if (b.out == NULL)
         return NULL;
-    const bool ok = build(&b, options, monitor);
-    builder_clear(&b);
+    bool ok = patches_allocate_surfaces(&b) && patches_divide(&b, options, monitor);
+    if (ok)
+        order_blocks(&b);
+    ok = ok && patches_find_edges(&b) && patches_build(&b);
+    patches_builder_clear(&b);
     return ok ? b.out : patches_destroy(b.out);
 }
 
@@ -184,27 +193,26 @@ Patches *patches_destroy(Patches *patches)
         return NULL;
     array_free(patches->surface);
     array_free(patches->side);
+    array_free(patches->cell);
     array_free(patches->material);
     array_free(patches->group);
     array_free(patches->area);
     array_free(patches->centre);
     array_free(patches->normal);
-    array_free(patches->cell);
     array_free(patches->first_piece);
     array_free(patches->piece);
     array_free(patches->piece_end);
-    array_free(patches->tree);
     array_free(patches->face_of);
     array_free(patches->face_patch);
     array_free(patches->first_corner);
     array_free(patches->corner);
+    array_free(patches->corner_along);
     array_free(patches->position);
     array_free(patches->nu);
     array_free(patches->nv);
-    array_free(patches->grid_vertex);
+    array_free(patches->tree);
     for (unsigned side = 0; side < 2; side++) {
         array_free(patches->first[side]);
-        array_free(patches->grid_first[side]);
         array_free(patches->first_face[side]);
         array_free(patches->tree_first[side]);
     }

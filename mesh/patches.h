@@ -83,6 +83,8 @@ typedef struct {
     uint32_t *first_corner;/* [face_count + 1] */
     uint32_t *corner;      /* [first_corner[face_count]]  vertices, counter-clockwise from its side,
                               from the cell's own corner 0 on */
+    double   *corner_along;/* [first_corner[face_count]]  where each lies on its cell's outline: k +
+                              the fraction of the way from the cell's corner k to the next */
     uint32_t  vertex_count;
     Vec3     *position;    /* [vertex_count] */
     /* per surface and side */
@@ -96,10 +98,6 @@ typedef struct {
     uint32_t *tree_first[2]; /* [surface_count] */
     uint32_t *tree;        /* [tree_count] */
     uint32_t  tree_count;
-    /* vertices of grids; on their way out */
-    uint32_t *grid_first[2];
-    uint32_t *grid_vertex;
-    uint32_t  grid_count;
     double    size;        /* the patch edge that was used */
     double    total_area;
 } Patches;
@@ -110,8 +108,8 @@ Patches *patches_create(const Surfaces *surfaces, const PatchOptions *options,
                         const Monitor *monitor, Error *err);
 Patches *patches_destroy(Patches *patches);
 
-/* The same patches but for those with split[i] != 0: cells in four, merged patches in two or more by
- * place. Others are split as well where a neighbour over a smooth edge would be finer by more than
+/* The same patches but for those with split[i] != 0: cells in four, merged patches in two or more
+ * by place. Others are split as well where a neighbour over a smooth edge would be finer by more than
  * one level. Order is kept: parent[k], [new count], the old patch that new patch k is (part of),
  * never falls. Patches at their last level stay whole.
  * owns   the caller frees both, *parent with array_free.
@@ -145,8 +143,8 @@ double patches_weight(const Patches *patches, const Surfaces *surfaces, uint32_t
 /* Longest edge of the cell, or for a merged patch the root of its area. */
 double patches_extent(const Patches *patches, const Surfaces *surfaces, uint32_t patch);
 
-/* Vertices and weights (sum 1) that interpolate vertex values at (s, t) of a surface's side; returns
- * how many, 0 for an unused side. Continuous over all smooth edges, linear between neighbouring
+/* Vertices and weights (sum 1) that interpolate vertex values at (s, t) of a surface's side;
+ * returns how many, 0 for an unused side. Continuous over all smooth edges, linear between neighbouring
  * vertices along an edge, T-vertices included (a Coons patch [coons67]; without T-vertices
  * bilinear, on triangles linear); exact for linear functions on flat parallelograms and triangles.
  * Weights can be a little negative beside T-vertices. */

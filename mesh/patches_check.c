@@ -9,83 +9,151 @@
 /* shape_area promises this for a whole shape and for each of its cells. */
 static const double SHAPE_AREA_ERROR = 1e-9;
 
-static bool check_side(const Patches *p, const Surfaces *s, uint32_t surface, unsigned side)
+static bool check_patch(const Patches *p, const Surfaces *s, uint32_t i)
+{
+    const uint32_t surface = p->surface[i], side = p->side[i];
+    return surface < p->surface_count && side < 2
+        && p->material[i] == surfaces_material(s, surface, side)
+        && p->group[i] == surfaces_group(s, surface, side) && p->area[i] > 0
+        && isfinite(p->area[i])
+        && fabs(vec3_dot(p->normal[i], p->normal[i]) - 1) < rounding_bound(64);
+}
+
+/* A side cut into cells. */
+static bool check_cells(const Patches *p, const Surfaces *s, uint32_t surface, unsigned side,
+                        uint32_t *count)
 {
     const Surface *f = &s->surface[surface];
-    const uint32_t first = p->first[side][surface], count = patches_of_side(p, s, surface);
-    if (first > p->count || count > p->count - first)
+    const uint32_t first = p->first[side][surface], face = p->first_face[side][surface];
+    *count = patches_side_cells(p, s, surface, side);
+    if (*count > p->count - first)
         return false;
     double area = 0;
-    for (uint32_t i = first; i < first + count; i++) {
-        if (p->surface[i] != surface || p->side[i] != side
-            || p->material[i] != surfaces_material(s, surface, side)
-            || p->group[i] != surfaces_group(s, surface, side) || !(p->area[i] > 0)
-            || !isfinite(p->area[i]))
-            return false;
-        if (!(fabs(vec3_dot(p->normal[i], p->normal[i]) - 1) < rounding_bound(64)))
+    for (uint32_t i = first; i < first + *count; i++) {
+        if (p->surface[i] != surface || p->side[i] != side || patches_is_merged(p, i)
+            || p->face_of[i] != face + (i - first) || p->cell[i].level > PATCH_LEVELS)
             return false;
         area += p->area[i];
     }
     /* Cells are products and sums of a few roundings each; their sum adds one per cell. */
     const double slack = f->kind == SURFACE_SHAPE ? 2 * SHAPE_AREA_ERROR
-                                                  : (64.0 + count) * DBL_EPSILON;
+                                                  : (64.0 + *count) * DBL_EPSILON;
     return fabs(area - f->area) <= slack * f->area;
 }
 
-static bool check_corners(const Patches *p)
+/* A merged patch: its pieces name it, its area is theirs. */
+static bool check_merged(const Patches *p, const Surfaces *s, uint32_t patch)
 {
-    if (p->first_corner[0] != 0)
+    const uint32_t first = p->first_piece[patch], end = p->first_piece[patch + 1];
+    const unsigned side = p->side[patch];
+    double area = 0, before = 0;
+    if (end - first < 2 || p->piece[first] != p->surface[patch])
         return false;
-    for (uint32_t i = 0; i < p->count; i++) {
-        const uint32_t first = p->first_corner[i], end = p->first_corner[i + 1];
-        if (end < first || end - first < 3)
+    for (uint32_t k = first; k < end; k++) {
+        const uint32_t piece = p->piece[k];
+        if (piece >= p->surface_count || p->first[side][piece] != patch
+            || p->first_face[side][piece] != p->face_of[patch] + (k - first)
+            || p->nu[piece] != 1 || p->nv[piece] != 1
+            || p->tree_first[side][piece] != PATCH_NONE || !(p->piece_end[k] > before)
+            || surfaces_material(s, piece, side) != p->material[patch])
             return false;
-        for (uint32_t k = first; k < end; k++) {
-            const uint32_t next = k + 1 < end ? k + 1 : first;
-            if (p->corner[k] >= p->vertex_count || p->corner[k] == p->corner[next])
-                return false;
-        }
+        before = p->piece_end[k];
+        area += s->surface[piece].area;
+    }
+    return before == 1
+        && fabs(area - p->area[patch]) <= (64.0 + (end - first)) * DBL_EPSILON * area;
+}
+
+static bool check_face(const Patches *p, uint32_t face)
+{
+    const uint32_t first = p->first_corner[face], end = p->first_corner[face + 1];
+    if (end < first || end - first < 3 || p->corner_along[first] != 0)
+        return false;
+    for (uint32_t k = first; k < end; k++) {
+        const uint32_t next = k + 1 < end ? k + 1 : first;
+        if (p->corner[k] >= p->vertex_count || p->corner[k] == p->corner[next]
+            || !(p->corner_along[k] >= 0 && p->corner_along[k] < 4))
+            return false;
     }
     return true;
 }
 
-static bool check_lookup(const Patches *p, const Surfaces *s, uint32_t patch)
+static bool check_faces(const Patches *p)
 {
-    const uint32_t surface = p->surface[patch];
-    const unsigned side = p->side[patch];
-    const PatchCell cell = patches_cell(p, s, surface, patch - p->first[side][surface]);
-    const bool triangle = s->surface[surface].kind == SURFACE_TRIANGLE;
-    const double within = !triangle ? 0.5 : cell.upper ? 2.0 / 3 : 1.0 / 3;
-    return patches_at(p, s, surface, side, (cell.i + within) / p->nu[surface],
-                      (cell.j + within) / p->nv[surface]) == patch;
+    if (p->first_corner[0] != 0)
+        return false;
+    for (uint32_t face = 0; face < p->face_count; face++) {
+        const uint32_t patch = p->face_patch[face];
+        if (!check_face(p, face) || patch >= p->count || face < p->face_of[patch])
+            return false;
+        const uint32_t pieces = p->first_piece[patch + 1] - p->first_piece[patch];
+        if (face - p->face_of[patch] >= (pieces == 0 ? 1 : pieces))
+            return false;
+    }
+    return true;
 }
 
-static bool check_grid(const Patches *p)
+static bool check_tree(const Patches *p)
 {
-    for (uint32_t i = 0; i < p->grid_count; i++)
-        if (p->grid_vertex[i] != PATCH_NONE && p->grid_vertex[i] >= p->vertex_count)
+    for (uint32_t k = 0; k < p->tree_count; k++) {
+        const uint32_t at = p->tree[k] & ~PATCH_DIVIDED;
+        /* Quarters stand behind, so that no walk can go round. */
+        if ((p->tree[k] & PATCH_DIVIDED) != 0 && (at <= k || p->tree_count - at < 4))
             return false;
+    }
     return true;
+}
+
+/* patches_at finds the patch again at points of it, among them the nearest to its corners. */
+static bool check_lookup(const Patches *p, const Surfaces *s, uint32_t patch)
+{
+    static const double place[5][2] = { { 0.5, 0.5 }, { 0, 0 }, { 1 - 0x1p-24, 0 },
+                                        { 0, 1 - 0x1p-24 }, { 1 - 0x1p-24, 1 - 0x1p-24 } };
+    for (unsigned k = 0; k < 5; k++) {
+        PatchPoint at;
+        patches_point(p, s, patch, place[k][0], place[k][1], &at);
+        if (patches_at(p, s, at.surface, p->side[patch], at.s, at.t) != patch)
+            return false;
+    }
+    return true;
+}
+
+static bool check_sides(const Patches *p, const Surfaces *s)
+{
+    uint64_t patches = 0, pieces = 0;
+    for (uint32_t i = 0; i < s->count; i++)
+        for (unsigned side = 0; side < 2; side++) {
+            const uint32_t first = p->first[side][i];
+            uint32_t count = 0;
+            if (first == PATCH_NONE)
+                continue;
+            if (first >= p->count)
+                return false;
+            if (patches_is_merged(p, first)) {
+                pieces++;
+                continue;
+            }
+            if (!check_cells(p, s, i, side, &count))
+                return false;
+            patches += count;
+        }
+    for (uint32_t i = 0; i < p->count; i++)
+        if (patches_is_merged(p, i)) {
+            if (!check_merged(p, s, i))
+                return false;
+            patches++;
+        }
+    return patches == p->count && pieces == p->first_piece[p->count];
 }
 
 bool patches_check(const Patches *patches, const Surfaces *surfaces)
 {
     assert(patches != NULL && surfaces != NULL);
-    if (patches->surface_count != surfaces->count || !check_corners(patches)
-        || !check_grid(patches))
-        return false;
-    uint64_t count = 0;
-    for (uint32_t i = 0; i < surfaces->count; i++)
-        for (unsigned side = 0; side < 2; side++)
-            if (patches->first[side][i] != PATCH_NONE) {
-                if (!check_side(patches, surfaces, i, side))
-                    return false;
-                count += patches_of_side(patches, surfaces, i);
-            }
-    if (count != patches->count)
+    if (patches->surface_count != surfaces->count || !check_tree(patches)
+        || !check_sides(patches, surfaces) || !check_faces(patches))
         return false;
     for (uint32_t i = 0; i < patches->count; i++)
-        if (!check_lookup(patches, surfaces, i))
+        if (!check_patch(patches, surfaces, i) || !check_lookup(patches, surfaces, i))
             return false;
     return true;
 }

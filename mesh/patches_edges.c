@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Edges between surfaces: where their points lie, and which surfaces go on smoothly across. */
+/* Edges between surfaces, piece by piece where others' corners lie on them, and which surfaces go
+ * on smoothly across. */
 #include <assert.h>
-#include <math.h>
-#include <stdlib.h>
 
 #include "base/array.h"
 #include "math/tolerance.h"
 #include "mesh/patches_internal.h"
+
+/* --- uses ------------------------------------------------------------------------------------- */
 
 static void surface_corners(const Surfaces *s, const Surface *f, uint32_t corner[4])
 {
@@ -15,6 +16,22 @@ static void surface_corners(const Surfaces *s, const Surface *f, uint32_t corner
     corner[1] = c[1];
     corner[2] = c[2];
     corner[3] = f->kind == SURFACE_QUAD ? c[5] : c[0];
+}
+
+/* The edge that starts with use 4 i + k, cut at its stitches. */
+static void fill_edge(PatchBuilder *b, uint32_t whole, uint32_t from, uint32_t to)
+{
+    const Surfaces *s = b->surfaces;
+    uint32_t use = whole;
+    b->from[use] = from;
+    if (s->stitch_first != NULL)
+        for (uint32_t j = s->stitch_first[whole]; j < s->stitch_first[whole + 1]; j++) {
+            b->stitch_use[j] = whole;
+            b->to[use] = from == to ? to : s->stitch[j].vertex;
+            use = 4 * s->count + j;
+            b->from[use] = from == to ? from : s->stitch[j].vertex;
+        }
+    b->to[use] = to;
 }
 
 static void fill_uses(PatchBuilder *b)
@@ -28,44 +45,96 @@ static void fill_uses(PatchBuilder *b)
             surface_corners(b->surfaces, f, corner);
         for (unsigned k = 0; k < 4; k++) {
             const bool edge = used && k < corners;
-            b->from[4 * i + k] = edge ? corner[k] : 0;
-            b->to[4 * i + k] = edge ? corner[(k + 1) % corners] : 0;
-            b->mate[4 * i + k] = PATCH_NODE_NONE;
+            fill_edge(b, 4 * i + k, edge ? corner[k] : 0, edge ? corner[(k + 1) % corners] : 0);
         }
     }
+    for (uint32_t use = 0; use < b->use_count; use++)
+        b->mate[use] = PATCH_NODE_NONE;
+}
+
+/* Stitches of the edge that a use lies on, and the next one after the use's start. */
+static void use_stitches(const PatchBuilder *b, uint32_t use, uint32_t *next, uint32_t *end)
+{
+    const uint32_t whole = patches_whole_use(b, use);
+    *next = *end = 0;
+    if (b->surfaces->stitch_first == NULL)
+        return;
+    *next = use == whole ? b->surfaces->stitch_first[whole] : use - 4 * b->surfaces->count + 1;
+    *end = b->surfaces->stitch_first[whole + 1];
+}
+
+uint32_t patches_next_use(const PatchBuilder *b, uint32_t use)
+{
+    const uint32_t whole = patches_whole_use(b, use);
+    const unsigned corners = patches_corners(&b->surfaces->surface[whole / 4]);
+    uint32_t next, end;
+    use_stitches(b, use, &next, &end);
+    if (next < end)
+        return 4 * b->surfaces->count + next;
+    return whole % 4 + 1 == corners ? whole - whole % 4 : whole + 1;
+}
+
+void patches_use_span(const PatchBuilder *b, uint32_t use, double *start, double *end)
+{
+    uint32_t next, last;
+    use_stitches(b, use, &next, &last);
+    *start = use < 4 * b->surfaces->count
+           ? 0 : b->surfaces->stitch[use - 4 * b->surfaces->count].fraction;
+    *end = next < last ? b->surfaces->stitch[next].fraction : 1;
 }
 
 /* --- mates ------------------------------------------------------------------------------------ */
 
-/* Front normal of the triangle that has edge k. */
-static Vec3 use_normal(const Surfaces *s, uint32_t use)
+/* Front normal of the triangle that has the use. */
+static Vec3 use_normal(const PatchBuilder *b, uint32_t use)
 {
-    const Surface *f = &s->surface[use / 4];
-    const bool second = f->kind == SURFACE_QUAD && use % 4 >= 2;
-    return surfaces_normal(s, f->primitive + second, 0, 0);
+    const uint32_t whole = patches_whole_use(b, use);
+    const Surface *f = &b->surfaces->surface[whole / 4];
+    const bool second = f->kind == SURFACE_QUAD && whole % 4 >= 2;
+    return surfaces_normal(b->surfaces, f->primitive + second, 0, 0);
+}
+
+static uint32_t use_neighbour(const PatchBuilder *b, uint32_t use)
+{
+    const uint32_t whole = 4 * b->surfaces->count;
+    return use < whole ? b->surfaces->surface[use / 4].neighbour[use % 4]
+                       : b->surfaces->stitch[use - whole].neighbour;
+}
+
+/* Whether `other` is the use of the same edge by a surface that sees this use's as its own. */
+static bool uses_meet(const PatchBuilder *b, uint32_t use, uint32_t other)
+{
+    return other != use && b->edges.edge[other] == b->edges.edge[use]
+        && use_neighbour(b, other) == patches_whole_use(b, use) / 4;
 }
 
 /* The neighbour's use of the same edge. */
 static uint32_t opposite_use(const PatchBuilder *b, uint32_t use)
 {
-    const uint32_t neighbour = b->surfaces->surface[use / 4].neighbour[use % 4];
+    const Surfaces *s = b->surfaces;
+    const uint32_t neighbour = use_neighbour(b, use);
     if (neighbour == SURFACE_NONE)
         return PATCH_NODE_NONE;
     for (uint32_t other = 4 * neighbour; other < 4 * neighbour + 4; other++)
-        if (b->edges.edge[other] == b->edges.edge[use]
-            && b->surfaces->surface[neighbour].neighbour[other % 4] == use / 4)
+        if (uses_meet(b, use, other))
             return other;
+    if (s->stitch_first != NULL)
+        for (uint32_t j = s->stitch_first[4 * neighbour]; j < s->stitch_first[4 * neighbour + 4];
+             j++)
+            if (uses_meet(b, use, 4 * s->count + j))
+                return 4 * s->count + j;
     return PATCH_NODE_NONE;
 }
 
 static bool smooth(const PatchBuilder *b, uint32_t use, uint32_t other)
 {
-    const Surface *f = &b->surfaces->surface[use / 4], *g = &b->surfaces->surface[other / 4];
-    if (f->material != g->material || f->back_material != g->back_material)
-        return false;
-    const double cosine = vec3_dot(use_normal(b->surfaces, use), use_normal(b->surfaces, other));
+    const Surface *f = &b->surfaces->surface[patches_whole_use(b, use) / 4];
+    const Surface *g = &b->surfaces->surface[patches_whole_use(b, other) / 4];
     /* Wound alike, they run along their edge in opposite directions. */
     const bool alike = b->from[use] != b->from[other];
+    if (f->material != g->material || f->back_material != g->back_material)
+        return false;
+    const double cosine = vec3_dot(use_normal(b, use), use_normal(b, other));
     return (alike ? cosine : -cosine) >= TOLERANCE_CREASE_COSINE;
 }
 
@@ -82,131 +151,45 @@ static void find_mates(PatchBuilder *b)
     }
 }
 
+unsigned patches_edge_class(const PatchBuilder *b, uint32_t use, unsigned side)
+{
+    const uint32_t e = b->edges.edge[use];
+    const uint32_t count = b->edges.first[e + 1] - b->edges.first[e];
+    const uint32_t first = b->edges.use[b->edges.first[e]];
+    if (count > 2)
+        return 0;
+    /* Wound alike, the second runs against the first. */
+    return use == first || b->from[use] != b->from[first] ? side : 1 - side;
+}
+
 uint32_t patches_edge_owner(const PatchBuilder *b, uint32_t use, unsigned side)
 {
     const uint32_t node = 2 * use + side, other = b->mate[use];
     if (other == PATCH_NODE_NONE)
         return node;
-    const unsigned other_side = b->from[use] != b->from[other] ? side : 1 - side;
+    const unsigned other_side = patches_mate_side(b, use, side);
     const uint32_t other_node = 2 * other + other_side;
-    return patches_side_used(b, other / 4, other_side) && other_node < node ? other_node : node;
-}
-
-/* --- points ----------------------------------------------------------------------------------- */
-
-static int fraction_compare(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* Fractions nearer than positions are known are one point. */
-static double merge_distance(const PatchBuilder *b, uint32_t use)
-{
-    const Vec3 p = b->surfaces->position[b->from[use]], q = b->surfaces->position[b->to[use]];
-    const Vec3 most = vec3_max(vec3_max(p, q), vec3_scale(vec3_min(p, q), -1));
-    const double length = vec3_length(vec3_sub(q, p));
-    /* Never so far that two points of one surface meet: 1/65535 apart at least. */
-    return fmin(position_tolerance(fmax(most.x, fmax(most.y, most.z))) / length,
-                0.25 / UINT16_MAX);
-}
-
-static bool append_fractions(PatchBuilder *b, uint32_t *count, uint32_t n)
-{
-    if (!array_reserve((void **)&b->fraction, &b->fraction_capacity, (size_t)*count + n,
-                       sizeof *b->fraction, "edge points", b->err))
-        return false;
-    if (*count > UINT32_MAX - n)
-        return error_set(b->err, ERROR_INPUT, "more than 2^32 points on edges");
-    for (uint32_t m = 1; m < n; m++)
-        b->fraction[(*count)++] = (double)m / n;
-    return true;
-}
-
-static uint32_t use_divisions(const PatchBuilder *b, uint32_t use)
-{
-    return patches_edge_divisions(b, use / 4, use % 4);
-}
-
-/* All points that the surfaces at an edge want there, each once, rising. k / n is the same double
- * from whichever end it is counted as an integer, and for all k / n that are equal. */
-static bool edge_fractions(PatchBuilder *b, uint32_t e, uint32_t *count)
-{
-    const uint32_t *use = b->edges.use + b->edges.first[e];
-    const uint32_t uses = b->edges.first[e + 1] - b->edges.first[e];
-    const uint32_t start = *count;
-    bool equal = true;
-    if (!append_fractions(b, count, use_divisions(b, use[0])))
-        return false;
-    for (uint32_t k = 1; k < uses; k++) {
-        const uint32_t n = use_divisions(b, use[k]);
-        bool seen = false;
-        for (uint32_t j = 0; j < k && !seen && j < 8; j++)
-            seen = use_divisions(b, use[j]) == n;
-        if (seen)
-            continue;
-        equal = false;
-        if (!append_fractions(b, count, n))
-            return false;
-    }
-    if (equal)
-        return true;
-    const double apart = merge_distance(b, use[0]);
-    qsort(b->fraction + start, *count - start, sizeof *b->fraction, fraction_compare);
-    uint32_t kept = start;
-    for (uint32_t i = start; i < *count; i++)
-        if (kept == start || b->fraction[i] - b->fraction[kept - 1] > apart)
-            b->fraction[kept++] = b->fraction[i];
-    *count = kept;
-    return true;
-}
-
-uint32_t patches_edge_point(const PatchBuilder *b, uint32_t use, uint32_t m, uint32_t n)
-{
-    assert(m > 0 && m < n);
-    const uint32_t e = b->edges.edge[use];
-    const uint32_t along = b->from[use] < b->to[use] ? m : n - m;
-    const double *fraction = b->fraction + b->point_first[e];
-    const uint32_t count = b->point_first[e + 1] - b->point_first[e];
-    if (count == n - 1)
-        return along - 1;
-    const double wanted = (double)along / n;
-    uint32_t low = 0, high = count;
-    while (low < high) {
-        const uint32_t middle = low + (high - low) / 2;
-        if (fraction[middle] < wanted)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    /* A merged point has gone into the one before it. */
-    if (low == count || (low > 0 && wanted - fraction[low - 1] < fraction[low] - wanted))
-        low--;
-    return low;
+    const bool used = patches_side_used(b, patches_whole_use(b, other) / 4, other_side);
+    return used && other_node < node ? other_node : node;
 }
 
 bool patches_find_edges(PatchBuilder *b)
 {
-    const size_t uses = 4 * (size_t)b->surfaces->count;
+    const Surfaces *s = b->surfaces;
+    const uint32_t stitches = s->stitch_first == NULL ? 0 : s->stitch_first[4 * (size_t)s->count];
+    const uint64_t uses = 4 * (uint64_t)s->count + stitches;
+    if (uses > UINT32_MAX / 2)
+        return error_set(b->err, ERROR_INPUT, "more than 2^31 edges of surfaces");
+    b->use_count = (uint32_t)uses;
     b->from = array_create(uses, sizeof *b->from, "edges", b->err);
     b->to = array_create(uses, sizeof *b->to, "edges", b->err);
     b->mate = array_create(uses, sizeof *b->mate, "edges", b->err);
+    b->stitch_use = array_create(stitches, sizeof *b->stitch_use, "edges", b->err);
     if (error_is_set(b->err))
         return false;
     fill_uses(b);
-    if (!edges_create(&b->edges, b->from, b->to, (uint32_t)uses, b->surfaces->vertex_count,
-                      b->err))
+    if (!edges_create(&b->edges, b->from, b->to, b->use_count, s->vertex_count, b->err))
         return false;
     find_mates(b);
-    b->point_first = array_create((size_t)b->edges.count + 1, sizeof *b->point_first, "edges",
-                                  b->err);
-    if (b->point_first == NULL || !append_fractions(b, &(uint32_t){ 0 }, 1))
-        return false;
-    uint32_t count = 0;
-    for (uint32_t e = 0; e < b->edges.count; e++) {
-        if (!edge_fractions(b, e, &count))
-            return false;
-        b->point_first[e + 1] = count;
-    }
     return true;
 }
