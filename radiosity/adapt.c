@@ -17,8 +17,17 @@ static const uint32_t DEFAULT_RAYS = 64, DEFAULT_ROW_RAYS = 256;
  * box, 64 to 1024 rays. */
 static const double NET_VARIANCE = 0.5;
 
-/* Values that go to the vertices: both halves of the direct light, and the indirect one. */
-enum { DIRECT_A, DIRECT_B, INDIRECT, VALUES };
+/* Rays to lamps for one of a row's. */
+static const double LAMP_SHARE = 0.25;
+
+/* Values that go to the vertices: both halves of the direct light, the indirect one, and that with
+ * what the row says of the direct one. */
+enum { DIRECT_A, DIRECT_B, INDIRECT, TOTAL, VALUES };
+
+/* Where single rays to the lamps differ by more than this share of their mean (squared), the lamps
+ * are so near or so large that few rays say little of how light changes over the patch; where
+ * nothing is in the way its neighbours say more. */
+static const double NEAR_SPREAD = 0.25;
 
 typedef struct {
     const Room         *room;
@@ -30,7 +39,8 @@ typedef struct {
     AdaptPoint         *point;    /* [patches * ADAPT_POINTS] */
     uint8_t            *points;   /* [patches]  how many of them */
     double             *mean;     /* [patches * VALUES] */
-    double             *noise;    /* [patches]  variance of the indirect value */
+    double             *noise;    /* [patches]  variance of the indirect value, or the total one */
+    uint8_t            *near;     /* [patches]  1: unshaded and near its lamps */
     double             *vertex;   /* [vertices * VALUES] */
     double             *error;    /* [patches] */
 } Adapting;
@@ -43,19 +53,22 @@ static double reflected(const Adapting *a, uint32_t patch)
     return rgb_luminance(rgb(rho.r * h[0], rho.g * h[1], rho.b * h[2]));
 }
 
-/* Indirect light that a row brings, and how much chance there is in it: a ray that comes to j
+/* Light that a row brings, and how much chance there is in the indirect part: a ray that comes to j
  * brings what j reflects. */
-static void gather_indirect(const Adapting *a, uint32_t patch, double *mean, double *noise)
+static void gather_row(const Adapting *a, uint32_t patch, double *mean)
 {
     const Links *links = a->links;
-    double sum = 0, squares = 0;
+    double sum = 0, squares = 0, direct = 0;
     for (uint64_t k = links->first[patch]; k < links->first[patch + 1]; k++) {
-        const double b = reflected(a, links->source[k]);
+        const uint32_t j = links->source[k];
+        const double b = reflected(a, j);
         sum += links->form_factor[k] * b;
         squares += links->form_factor[k] * b * b;
+        direct += links->form_factor[k] * rgb_luminance(room_emission(a->room, j));
     }
-    *mean = sum;
-    *noise = NET_VARIANCE * fmax(squares - sum * sum, 0) / a->row_rays;
+    mean[INDIRECT] = sum;
+    mean[TOTAL] = sum + direct;
+    a->noise[patch] = NET_VARIANCE * fmax(squares - sum * sum, 0) / a->row_rays;
 }
 
 static void sample_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
@@ -75,7 +88,11 @@ static void sample_chunk(void *context, uint32_t begin, uint32_t end, unsigned w
         }
         mean[DIRECT_A] /= weights > 0 ? weights : 1;
         mean[DIRECT_B] /= weights > 0 ? weights : 1;
-        gather_indirect(a, i, &mean[INDIRECT], &a->noise[i]);
+        gather_row(a, i, mean);
+        const double spread = a->sampler[worker].spread, direct = mean[TOTAL] - mean[INDIRECT];
+        a->near[i] = a->sampler[worker].open && spread > NEAR_SPREAD;
+        if (a->near[i])
+            a->noise[i] += NET_VARIANCE * spread * direct * direct / (LAMP_SHARE * a->row_rays);
     }
 }
 
@@ -96,24 +113,26 @@ static void interpolate(const Adapting *a, const AdaptPoint *at, unsigned side,
 
 /* Square of the error. Of the direct light: the two halves are off by the same error of the mesh
  * and by noise that knows nothing of the other's, so their product is off by nothing in the mean.
- * Of the indirect light, which is smooth: how far the mesh misses the patch's own mean. */
+ * Of what is smooth: how far the mesh misses the patch's own mean. */
 static double squared_error(const Adapting *a, uint32_t i)
 {
     const AdaptPoint *point = &a->point[(size_t)i * ADAPT_POINTS];
-    double products = 0, indirect = 0, weights = 0;
+    const int smooth = a->near[i] ? TOTAL : INDIRECT;
+    double products = 0, mean = 0, weights = 0;
     for (uint32_t k = 0; k < a->points[i]; k++) {
         double value[VALUES];
         const double w = (double)point[k].weight;
         interpolate(a, &point[k], a->room->patches->side[i], value);
         products += w * ((double)point[k].direct[0] - value[DIRECT_A]) *
                     ((double)point[k].direct[1] - value[DIRECT_B]);
-        indirect += w * value[INDIRECT];
+        mean += w * value[smooth];
         weights += w;
     }
     if (!(weights > 0))
         return 0;
-    const double missed = indirect / weights - a->mean[(size_t)i * VALUES + INDIRECT];
-    return fmax(products / weights, 0) + fmax(missed * missed - a->noise[i], 0);
+    const double missed = mean / weights - a->mean[(size_t)i * VALUES + (size_t)smooth];
+    const double square = fmax(missed * missed - a->noise[i], 0);
+    return a->near[i] ? square : square + fmax(products / weights, 0);
 }
 
 static bool can_divide(const Adapting *a, uint32_t i)
@@ -146,6 +165,7 @@ static bool adapting_create(Adapting *a, unsigned threads, Error *err)
     a->points = array_create(n, sizeof *a->points, what, err);
     a->mean = array_create(n * VALUES, sizeof *a->mean, what, err);
     a->noise = array_create(n, sizeof *a->noise, what, err);
+    a->near = array_create(n, sizeof *a->near, what, err);
     a->vertex = array_create((size_t)patches->vertex_count * VALUES, sizeof *a->vertex, what, err);
     for (unsigned k = 0; k < threads && a->sampler != NULL; k++)
         adapt_sampler_create(&a->sampler[k], a->room, a->links,
@@ -162,6 +182,7 @@ static void adapting_clear(Adapting *a, unsigned threads)
     array_free(a->points);
     array_free(a->mean);
     array_free(a->noise);
+    array_free(a->near);
     array_free(a->vertex);
 }
 

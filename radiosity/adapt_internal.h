@@ -30,6 +30,9 @@ typedef struct {
     float       *value;
     uint32_t    *slot;        /* 2 * point + half that a ray adds to */
     uint32_t     aimed, capacity;
+    double       spread;      /* of the last patch: variance of what single rays could bring,
+                                 over their mean squared */
+    bool         open;        /* none of its rays was blocked */
     Error        error;
 } AdaptSampler;
 

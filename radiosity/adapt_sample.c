@@ -116,18 +116,22 @@ static double light_from(const AdaptSampler *s, const PatchPoint *from, double u
            here * there / (M_PI * square * square * chance);
 }
 
-/* Adds what the rays aimed bring; returns how many were blocked. */
-static uint32_t flush(AdaptSampler *s, AdaptPoint *point)
+/* Adds what the rays aimed bring, of `count` that were tried. */
+static void flush(AdaptSampler *s, uint32_t count, AdaptPoint *point)
 {
-    uint32_t blocked = 0;
+    double sum = 0, squares = 0;
+    s->open = true;
     bvh_blocked_many(s->room->bvh, s->ray, s->blocked, s->aimed);
-    for (uint32_t k = 0; k < s->aimed; k++)
-        if (s->blocked[k])
-            blocked++;
-        else
+    for (uint32_t k = 0; k < s->aimed; k++) {
+        const double value = (double)s->value[k];
+        sum += value;
+        squares += value * value;
+        s->open = s->open && !s->blocked[k];
+        if (!s->blocked[k])
             point[s->slot[k] / 2].direct[s->slot[k] % 2] += s->value[k];
+    }
+    s->spread = sum > 0 ? fmax(squares * count / (sum * sum) - 1, 0) : 0;
     s->aimed = 0;
-    return blocked;
 }
 
 /* Where nothing is in the way, how light changes over the patch is seen best when all points look
@@ -170,7 +174,8 @@ static void light_from_lamps(AdaptSampler *s, uint32_t patch, uint32_t points, A
             s->slot[s->aimed++] = 2 * i + half;
         }
     }
-    if (flush(s, point) == 0)
+    flush(s, 2 * points * s->rays, point);
+    if (s->open)
         smooth_open_light(s, points, point);
 }
 
@@ -199,6 +204,8 @@ uint32_t adapt_sample(AdaptSampler *s, uint32_t patch, AdaptPoint *point)
 {
     const uint32_t n = choose_points(s, patch);
     assert(n <= ADAPT_POINTS);
+    s->spread = 0;
+    s->open = true;
     for (uint32_t k = 0; k < n; k++)
         point[k] = (AdaptPoint){ .surface = s->at[k].surface, .s = (float)s->at[k].s,
                                  .t = (float)s->at[k].t, .weight = (float)s->at[k].weight };
