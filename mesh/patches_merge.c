@@ -3,6 +3,10 @@
  *
  * Regions grow over neighbours with like normals, are relaxed as in variational shape approximation
  * [cohen-steiner04], and what stays a fragment is joined with others nearby.
+ *
+ * A patch has one radiosity, so light that reached one piece would leave from all: no wall may
+ * stand between them. Neighbours over an edge are safe, as surfaces are no neighbours where another
+ * stands on the edge. Across gaps only whole parts go together, never pieces of what may be a room.
  */
 #include <assert.h>
 #include <math.h>
@@ -134,12 +138,9 @@ static bool make_classes(MergeSetup *setup)
 static bool make_pieces(MergeSetup *setup)
 {
     Merge *m = setup->merge;
-    const uint8_t *sides = setup->options->sides;
     for (uint32_t i = 0; i < m->surfaces->count; i++) {
         m->local[i] = MERGE_NONE;
-        if (sides != NULL && (sides[i] >> setup->side & 1) == 0)
-            continue;
-        if (make_piece(setup, i, &m->piece[m->count]))
+        if (merge_side_used(m, i) && make_piece(setup, i, &m->piece[m->count]))
             m->local[i] = m->count++;
     }
     return make_classes(setup);
@@ -157,7 +158,7 @@ static void merge_clear(Merge *m)
 static bool merge_side(MergeSetup *setup, const Surfaces *surfaces, uint32_t *cluster,
                        uint32_t *base)
 {
-    Merge m = { .surfaces = surfaces };
+    Merge m = { .surfaces = surfaces, .sides = setup->options->sides, .side = setup->side };
     const uint32_t count = surfaces->count;
     setup->merge = &m;
     setup->kind_count = 0;

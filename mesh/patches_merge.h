@@ -28,8 +28,8 @@ static const double merge_needle_most = 1.1;
  * normals are further apart and all are in a cone of half that, the crease angle, about. */
 static const double merge_chord_most = 1;
 
-/* A cluster of less than this is a fragment, joined with others across gaps: a patch whose edge is
- * half of the wanted one; what is larger stands for itself, as cells of half size do. */
+/* A cluster of less than this is a fragment, joined with others whatever their normals: a patch
+ * whose edge is half of the wanted one; what is larger stands for itself, as such cells do. */
 static const double merge_fragment = 0.25;
 
 /* A place and a normal in one point, so that both are limited and compared alike. */
@@ -58,6 +58,8 @@ typedef struct {
 
 typedef struct {
     const Surfaces *surfaces;
+    const uint8_t  *sides;       /* as in PatchOptions */
+    unsigned        side;
     MergePiece     *piece;       /* [count] */
     uint32_t        count;
     uint32_t       *local;       /* [surfaces->count]  piece of a surface, or MERGE_NONE */
@@ -65,6 +67,11 @@ typedef struct {
     MergeCluster   *cluster;     /* [cluster_count], room for count; one without pieces: area 0 */
     uint32_t        cluster_count;
 } Merge;
+
+static inline bool merge_side_used(const Merge *m, uint32_t surface)
+{
+    return m->sides == NULL || (m->sides[surface] >> m->side & 1) != 0;
+}
 
 static inline void merge_box_add(MergeBox *box, const MergeBox *other)
 {
@@ -110,10 +117,11 @@ uint64_t merge_heap_pop(uint64_t *heap, uint32_t *count);
 /* patches_merge_grow.c: clusters over neighbours. fails  false and ERROR_MEMORY. */
 bool merge_grow(Merge *m, Error *err);
 
-/* patches_merge_relax.c: small clusters go to neighbours, pieces at borders to the nearer one. */
+/* patches_merge_relax.c: pieces at borders go to the nearer cluster, small clusters to neighbours:
+ * first to those with like normals, what is a fragment even then to any. */
 bool merge_relax(Merge *m, Error *err);
 
-/* patches_merge_join.c: fragments of one class are joined across gaps. */
+/* patches_merge_join.c: fragments that are whole parts are joined across gaps. */
 bool merge_join(Merge *m, Error *err);
 
 #endif

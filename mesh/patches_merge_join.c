@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Fragments are joined across gaps: leaves, screws, letters, each too small for a patch.
  *
- * All fragments of a class are halved again and again, by place and normal, until a part keeps the
- * limits of a cluster. What is a fragment even then is joined by place alone, whatever its normals.
- * The patch is then a mean over its pieces.
+ * Only whole parts are: a fragment of a larger part may be what a wall left of a floor, and a
+ * closed part that is seen from within is a room of its own. All of a class are halved again and
+ * again, by place and normal, until they keep the limits of a cluster. What is a fragment even then
+ * is joined by place alone, whatever its normals. The patch is a mean over its pieces.
  */
 #include <assert.h>
 #include <math.h>
@@ -28,8 +29,17 @@ typedef struct {
     uint32_t *first;      /* [class_count + 1] */
     uint32_t  class_count;
     uint32_t *parent;     /* [cluster_count]  cluster that a cluster was joined to, or itself */
+    uint8_t  *loose;      /* [cluster_count]  1: a whole part, to be joined across gaps */
     bool      normals;    /* normals count */
 } Joiner;
+
+/* One part on the side in use. */
+typedef struct {
+    uint32_t cluster;     /* of its first piece */
+    uint32_t first;       /* its first piece, which volumes are counted from */
+    bool     whole;       /* it has no other cluster, and nothing that is no piece */
+    double   volume;      /* three times that behind its sides: < 0 when they look inwards */
+} Part;
 
 static void swap_items(Fragment *a, Fragment *b)
 {
@@ -168,7 +178,51 @@ static void join_range(Joiner *j, uint32_t begin, uint32_t end)
     }
 }
 
-static bool is_fragment(const MergeCluster *c) { return c->area > 0 && c->area < merge_fragment; }
+/* Finds the parts that are one cluster. */
+static void find_parts(const Merge *m, Part *part)
+{
+    const Surfaces *s = m->surfaces;
+    for (uint32_t k = 0; k < s->part_count; k++)
+        part[k] = (Part){ .cluster = MERGE_NONE, .whole = true };
+    for (uint32_t surface = 0; surface < s->count; surface++) {
+        if (!merge_side_used(m, surface))
+            continue;
+        Part *p = &part[s->part[surface]];
+        const uint32_t i = m->local[surface];
+        if (i == MERGE_NONE) {
+            p->whole = false;
+            continue;
+        }
+        if (p->cluster == MERGE_NONE) {
+            p->cluster = m->cluster_of[i];
+            p->first = i;
+        }
+        p->whole = p->whole && p->cluster == m->cluster_of[i];
+        const float *at = m->piece[i].at, *from = m->piece[p->first].at;
+        for (int k = 0; k < MERGE_PLACE; k++)
+            p->volume += (double)m->piece[i].area * (at[k] - from[k]) * at[MERGE_PLACE + k];
+    }
+}
+
+static bool mark_loose(Joiner *j, Error *err)
+{
+    const Surfaces *s = j->merge->surfaces;
+    Part *part = array_create(s->part_count, sizeof *part, "patch pieces", err);
+    if (part == NULL)
+        return false;
+    find_parts(j->merge, part);
+    for (uint32_t k = 0; k < s->part_count; k++)
+        if (part[k].cluster != MERGE_NONE && part[k].whole)
+            j->loose[part[k].cluster] = !s->part_closed[k] || part[k].volume > 0;
+    array_free(part);
+    return true;
+}
+
+static bool is_fragment(const Joiner *j, uint32_t c)
+{
+    const MergeCluster *cluster = &j->merge->cluster[c];
+    return j->loose[c] && cluster->area > 0 && cluster->area < merge_fragment;
+}
 
 /* Fragments by class, a counting sort: their order is that of the clusters. */
 static void list_fragments(Joiner *j)
@@ -177,7 +231,7 @@ static void list_fragments(Joiner *j)
     for (uint32_t k = 0; k <= j->class_count; k++)
         j->first[k] = 0;
     for (uint32_t c = 0; c < m->cluster_count; c++)
-        if (is_fragment(&m->cluster[c]))
+        if (is_fragment(j, c))
             j->first[m->cluster[c].class]++;
     uint32_t sum = 0;
     for (uint32_t k = 0; k <= j->class_count; k++) {
@@ -187,7 +241,7 @@ static void list_fragments(Joiner *j)
     j->count = sum;
     for (uint32_t c = m->cluster_count; c-- > 0;) {
         const MergeCluster *cluster = &m->cluster[c];
-        if (!is_fragment(cluster))
+        if (!is_fragment(j, c))
             continue;
         Fragment *f = &j->item[--j->first[cluster->class]];
         f->cluster = c;
@@ -216,8 +270,13 @@ bool merge_join(Merge *m, Error *err)
 {
     assert(m != NULL && err != NULL);
     Joiner j = { .merge = m };
+    j.loose = array_create(m->cluster_count, sizeof *j.loose, "patch pieces", err);
+    if (j.loose == NULL || !mark_loose(&j, err)) {
+        array_free(j.loose);
+        return false;
+    }
     for (uint32_t c = 0; c < m->cluster_count; c++) {
-        j.count += is_fragment(&m->cluster[c]);
+        j.count += is_fragment(&j, c);
         if (m->cluster[c].class >= j.class_count)
             j.class_count = m->cluster[c].class + 1;
     }
@@ -231,5 +290,6 @@ bool merge_join(Merge *m, Error *err)
     array_free(j.item);
     array_free(j.first);
     array_free(j.parent);
+    array_free(j.loose);
     return !error_is_set(err);
 }

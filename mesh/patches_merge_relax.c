@@ -69,8 +69,8 @@ static uint32_t cluster_beside(const Merge *m, uint32_t i, unsigned k)
     return m->cluster_of[j];
 }
 
-/* The neighbour that remnant c fits best, or c. */
-static uint32_t best_host(Relaxer *r, uint32_t c)
+/* The neighbour that remnant c fits best, or c. Pieces it has taken in itself are not asked. */
+static uint32_t best_host(Relaxer *r, uint32_t c, bool normals)
 {
     const Merge *m = r->merge;
     const MergeCluster *remnant = &m->cluster[c];
@@ -90,7 +90,7 @@ static uint32_t best_host(Relaxer *r, uint32_t c)
             MergeBox box = h->box;
             merge_box_add(&box, &remnant->box);
             const double d = distance(h, at);
-            if (h->area + remnant->area > merge_area_most || !merge_box_fits(&box, true)
+            if (h->area + remnant->area > merge_area_most || !merge_box_fits(&box, normals)
                 || !(d < least))
                 continue;
             least = d;
@@ -100,7 +100,8 @@ static uint32_t best_host(Relaxer *r, uint32_t c)
     return best;
 }
 
-static void give_away_remnants(Relaxer *r)
+/* Clusters below an area are given to others. */
+static void give_away(Relaxer *r, double below, bool normals)
 {
     Merge *m = r->merge;
     list_members(r);
@@ -108,10 +109,9 @@ static void give_away_remnants(Relaxer *r)
         r->parent[c] = c;
     for (uint32_t c = 0; c < m->cluster_count; c++) {
         MergeCluster *remnant = &m->cluster[c];
-        /* Who has taken others in already is no longer what its list says. */
-        if (!(remnant->area > 0 && remnant->area < REMNANT) || r->parent[c] != c)
+        if (!(remnant->area > 0 && remnant->area < below))
             continue;
-        const uint32_t host = best_host(r, c);
+        const uint32_t host = best_host(r, c, normals);
         if (host == c)
             continue;
         MergeCluster *h = &m->cluster[host];
@@ -197,12 +197,14 @@ bool merge_relax(Merge *m, Error *err)
     r.first = array_create((size_t)m->cluster_count + 1, sizeof *r.first, "patch pieces", err);
     r.member = array_create(m->count, sizeof *r.member, "patch pieces", err);
     if (!error_is_set(err)) {
-        give_away_remnants(&r);
+        give_away(&r, REMNANT, true);
         for (int k = 0; k < SWEEPS; k++) {
             move_borders(m);
             fit_boxes(m);
         }
-        give_away_remnants(&r);
+        give_away(&r, REMNANT, true);
+        give_away(&r, merge_fragment, false);
+        give_away(&r, merge_fragment, false); /* lists are complete again */
     }
     array_free(r.parent);
     array_free(r.first);

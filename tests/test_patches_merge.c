@@ -105,6 +105,30 @@ static uint32_t left_alone(const Clusters *c, unsigned side)
     return alone;
 }
 
+/* Parts by hand: part [s->count]. */
+static void set_parts(Surfaces *s, const uint32_t *part, uint32_t count, bool closed)
+{
+    Error err = { 0 };
+    array_free(s->part_closed);
+    s->part_closed = array_create(count, sizeof *s->part_closed, "parts", &err);
+    assert_non_null(s->part_closed);
+    memset(s->part_closed, closed, count);
+    memcpy(s->part, part, s->count * sizeof *part);
+    s->part_count = count;
+}
+
+/* Whether some cluster on a side has surfaces of part a and others of part b. */
+static bool mixes(const Clusters *c, unsigned side, uint32_t a, uint32_t b)
+{
+    const Surfaces *s = c->surfaces;
+    for (uint32_t i = 0; i < s->count; i++)
+        for (uint32_t j = 0; j < s->count; j++)
+            if (s->part[i] == a && s->part[j] == b && c->cluster[2 * i + side] != PATCH_NONE
+                && c->cluster[2 * i + side] == c->cluster[2 * j + side])
+                return true;
+    return false;
+}
+
 static void clusters_clear(Clusters *c)
 {
     free(c->cluster);
@@ -229,6 +253,12 @@ static Surfaces *leaves(void)
     Surfaces *s = connect(&soup);
     polygons_clear(&soup);
     assert_int_equal(s->count, 10000);
+    uint32_t *part = malloc(s->count * sizeof *part);
+    assert_non_null(part);
+    for (uint32_t i = 0; i < s->count; i++)
+        part[i] = i;
+    set_parts(s, part, s->count, false);
+    free(part);
     return s;
 }
 
@@ -249,6 +279,67 @@ static void test_leaves(void **state)
         last = c.count;
         free(sum);
         clusters_clear(&c);
+    }
+}
+
+/* Small boxes beside each other are joined, a box and a cavity in it never: light in there is not
+ * light out here. */
+static void test_rooms(void **state)
+{
+    (void)state;
+    const PatchOptions options = { 0 };
+    for (int nested = 0; nested < 2; nested++) {
+        Polygons soup;
+        soup_start(&soup);
+        soup_box(&soup, vec3(0, 0, 0), vec3(1, 1, 1), 0, 0);
+        if (nested) /* swapped along one axis: wound inwards */
+            soup_box(&soup, vec3(0.9, 0.1, 0.1), vec3(0.1, 0.9, 0.9), 0, 0);
+        else
+            soup_box(&soup, vec3(2, 0, 0), vec3(3, 1, 1), 0, 0);
+        Surfaces *s = connect(&soup);
+        assert_int_equal(s->count, 12);
+        uint32_t part[12];
+        for (uint32_t i = 0; i < 12; i++)
+            part[i] = s->surface[i].face / 6;
+        set_parts(s, part, 2, true);
+        Clusters c = merge(s, &options, 8);
+        free(sum_up(&c, &options));
+        assert_true(mixes(&c, 0, 0, 1) == (nested == 0));
+        assert_false(mixes(&c, 1, 0, 1));
+        assert_true(mixes(&c, 0, 0, 0) && mixes(&c, 0, 1, 1)); /* each box is one patch */
+        clusters_clear(&c);
+        polygons_clear(&soup);
+    }
+}
+
+/* Where a wall stands on a floor the halves are no neighbours, though of one part; small as they
+ * are, they stay two patches. */
+static void test_below_wall(void **state)
+{
+    (void)state;
+    const PatchOptions options = { 0 };
+    for (int wall = 0; wall < 2; wall++) {
+        Polygons soup;
+        soup_start(&soup);
+        for (int i = 0; i < 10; i++)
+            soup_polygon(&soup, (Vec3[]){ { i, 0, 0 }, { i + 1, 0, 0 }, { i + 1, 1, 0 },
+                                          { i, 1, 0 } }, 4, 0, 0);
+        Surfaces *s = connect(&soup);
+        for (uint32_t i = 0; i < 10; i++)
+            for (int k = 0; wall && k < 4; k++) {
+                const uint32_t j = s->surface[i].neighbour[k];
+                if (j != SURFACE_NONE && (i < 5) != (j < 5))
+                    s->surface[i].neighbour[k] = SURFACE_NONE;
+            }
+        Clusters c = merge(s, &options, 10);
+        free(sum_up(&c, &options));
+        assert_int_equal(left_alone(&c, 0) + left_alone(&c, 1), 0);
+        assert_int_equal(c.count, wall ? 4 : 2);
+        for (uint32_t i = 0; wall && i < 5; i++)
+            for (uint32_t j = 5; j < 10; j++)
+                assert_int_not_equal(c.cluster[2 * i], c.cluster[2 * j]);
+        clusters_clear(&c);
+        polygons_clear(&soup);
     }
 }
 
@@ -344,6 +435,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_ball),       cmocka_unit_test(test_floor),
         cmocka_unit_test(test_large_stay), cmocka_unit_test(test_leaves),
+        cmocka_unit_test(test_rooms),      cmocka_unit_test(test_below_wall),
         cmocka_unit_test(test_agreement),  cmocka_unit_test(test_same_again),
         cmocka_unit_test(test_split),      cmocka_unit_test(test_out_of_memory),
     };
