@@ -71,7 +71,7 @@ static bool is_turn(const Surfaces *s, uint32_t k, uint32_t other, float size, c
     const float larger = box_size(box);
     const uint32_t a = s->triangle_surface[k], b = s->triangle_surface[other];
     return (larger > size || (larger == size && other < k)) && a != b &&
-           inspect_face(s, k) != inspect_face(s, other);
+           s->triangle_face[k] != s->triangle_face[other];
 }
 
 static Box triangle_box(const Triangle *t)
@@ -105,7 +105,7 @@ static bool search_triangle(const Inspector *in, const BoxEntry *entry, Meetings
         if (pair.kind == PAIR_APART ||
             (pair.kind == PAIR_OVERLAP && !overlap_counts(in, f, g, alike)))
             continue;
-        if (!add_meeting(list, &pair, inspect_face(s, k), inspect_face(s, near[i])))
+        if (!add_meeting(list, &pair, s->triangle_face[k], s->triangle_face[near[i]]))
             return false;
         found++;
     }

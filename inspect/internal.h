@@ -89,18 +89,6 @@ typedef struct {
  * them is off by rounding. */
 double inspect_tolerance(double largest_coordinate);
 
-/* Polygon of a triangle, and its other side. */
-static inline uint32_t inspect_face(const Surfaces *s, uint32_t triangle)
-{
-    return s->triangle_face != NULL ? s->triangle_face[triangle]
-                                    : s->surface[s->triangle_surface[triangle]].face;
-}
-static inline uint32_t inspect_back(const Surfaces *s, uint32_t triangle)
-{
-    return s->triangle_back != NULL ? s->triangle_back[triangle]
-                                    : s->surface[s->triangle_surface[triangle]].back;
-}
-
 /* Vertex of corner k (0..2; of quads 0..3) of a surface. */
 uint32_t inspect_corner(const Surfaces *surfaces, uint32_t surface, unsigned k);
 

@@ -108,7 +108,7 @@ static bool count_edge(void *context, uint32_t triangle, uint32_t from, uint32_t
         return true;
     uint8_t *faces = &counter->table.faces[table_slot(&counter->table, from, to)];
     *faces = (uint8_t)(*faces + (*faces < 3));
-    if (inspect_back(counter->in->surfaces, triangle) != SURFACE_NONE)
+    if (counter->in->surfaces->triangle_back[triangle] != SURFACE_NONE)
         *faces = (uint8_t)(*faces + (*faces < 3));
     return true;
 }
@@ -126,7 +126,7 @@ static bool keep_open(void *context, uint32_t triangle, uint32_t from, uint32_t 
     out->edge[out->open_edges++] = (OpenEdge){ from, to, triangle };
     const Vec3   a = in->surfaces->position[from], b = in->surfaces->position[to];
     const Defect defect = { .kind = DEFECT_OPEN_EDGE, .other = DEFECT_NO_FACE,
-                            .face = inspect_face(in->surfaces, triangle),
+                            .face = in->surfaces->triangle_face[triangle],
                             .at = vec3_lerp(a, b, 0.5),
                             .measure = vec3_length(vec3_sub(a, b)) };
     return defects_add(in->defects, &defect, in->err);
@@ -285,7 +285,7 @@ static Rim follow_rim(Chains *c, uint32_t seed)
 {
     const Inspector *in = c->in;
     const Surfaces  *s = in->surfaces;
-    Rim rim = { .face = inspect_face(s, in->out->edge[seed].triangle),
+    Rim rim = { .face = s->triangle_face[in->out->edge[seed].triangle],
                 .lo = { INFINITY, INFINITY, INFINITY }, .hi = { -INFINITY, -INFINITY, -INFINITY } };
     uint32_t begin = 2 * seed, at = begin;
     /* A chain that ends is followed from its end; one that closes may begin anywhere. */
