@@ -11,6 +11,7 @@
 #include "base/array.h"
 #include "raycast/build.h"
 #include "raycast/probe.h"
+#include "raycast/sort.h"
 
 static double seconds_now(void)
 {
@@ -26,7 +27,7 @@ typedef struct {
     bool          usable;
 } KernelChoice;
 
-#define KERNELS 3
+#define KERNELS 4
 
 /* The best first. */
 static void kernel_choices(KernelChoice choice[KERNELS])
@@ -35,9 +36,14 @@ static void kernel_choices(KernelChoice choice[KERNELS])
     int n = 0;
 #ifdef ISOLUX_X86
     __builtin_cpu_init();
-    choice[n].kernel = &kernel_avx2;
-    choice[n++].usable = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
-                         && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt");
+    const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
+                      && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt");
+    choice[n].kernel = &kernel_avx512;
+    choice[n++].usable = avx2 && __builtin_cpu_supports("avx512f")
+                         && __builtin_cpu_supports("avx512vl")
+                         && __builtin_cpu_supports("avx512dq")
+                         && __builtin_cpu_supports("avx512bw");
+    choice[n++] = (KernelChoice){ &kernel_avx2, avx2 };
     choice[n++] = (KernelChoice){ &kernel_sse2, true };
 #endif
     choice[n] = (KernelChoice){ &kernel_scalar, true };
@@ -53,7 +59,7 @@ static const Kernel *kernel_choose(Error *err)
         if (choice[i].usable && (any || strcmp(wish, choice[i].kernel->name) == 0))
             return choice[i].kernel;
     error_set(err, ERROR_USAGE, "ISOLUX_ISA: this processor or build has no \"%.40s\" "
-              "(there is avx2, sse2, scalar)", wish);
+              "(there is avx512, avx2, sse2, scalar)", wish);
     return NULL;
 }
 
@@ -123,11 +129,41 @@ bool bvh_blocked(const Bvh *bvh, const Ray *ray)
 void bvh_nearest_many(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count)
 {
     assert(bvh != NULL && (count == 0 || (ray != NULL && hit != NULL)));
-    bvh->kernel->nearest_many(bvh, ray, hit, count);
+    if (!bvh->kernel->packets) {
+        bvh->kernel->nearest_many(bvh, ray, NULL, count, hit);
+        return;
+    }
+    for (size_t begin = 0; begin < count; begin += SORT_MOST) {
+        uint32_t order[SORT_MOST];
+        const size_t n = count - begin < SORT_MOST ? count - begin : SORT_MOST;
+        rays_sort(bvh, ray + begin, n, order);
+        bvh->kernel->nearest_many(bvh, ray + begin, order, n, hit + begin);
+    }
 }
 
 void bvh_blocked_many(const Bvh *bvh, const Ray *ray, bool *blocked, size_t count)
 {
     assert(bvh != NULL && (count == 0 || (ray != NULL && blocked != NULL)));
-    bvh->kernel->blocked_many(bvh, ray, blocked, count);
+    if (!bvh->kernel->packets) {
+        bvh->kernel->blocked_many(bvh, ray, NULL, count, blocked);
+        return;
+    }
+    for (size_t begin = 0; begin < count; begin += SORT_MOST) {
+        uint32_t order[SORT_MOST];
+        const size_t n = count - begin < SORT_MOST ? count - begin : SORT_MOST;
+        rays_sort(bvh, ray + begin, n, order);
+        bvh->kernel->blocked_many(bvh, ray + begin, order, n, blocked + begin);
+    }
+}
+
+void bvh_nearest_beam(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count)
+{
+    assert(bvh != NULL && (count == 0 || (ray != NULL && hit != NULL)));
+    bvh->kernel->nearest_many(bvh, ray, NULL, count, hit);
+}
+
+void bvh_blocked_beam(const Bvh *bvh, const Ray *ray, bool *blocked, size_t count)
+{
+    assert(bvh != NULL && (count == 0 || (ray != NULL && blocked != NULL)));
+    bvh->kernel->blocked_many(bvh, ray, NULL, count, blocked);
 }

@@ -47,7 +47,7 @@ typedef struct {
 } BvhStats;
 void bvh_stats(const Bvh *bvh, BvhStats *stats);
 
-/* The kernel that walks this tree: "avx2", "sse2" or "scalar"; the best the processor has, unless
+/* The kernel that walks this tree: "avx512", "avx2", "sse2" or "scalar"; the best the processor has, unless
  * the environment variable ISOLUX_ISA named one when the tree was made. All answer alike. */
 const char *bvh_isa(const Bvh *bvh);
 
@@ -59,10 +59,19 @@ bool bvh_nearest(const Bvh *bvh, const Ray *ray, Hit *hit);
  * hot    checks nothing in release builds. */
 bool bvh_blocked(const Bvh *bvh, const Ray *ray);
 
-/* The same for many rays at once, in the caller's order: the calls that solvers make, so that rays
- * may be traced in company. Results do not depend on the grouping. */
+/* The same for many rays at once. They are sorted by direction and origin in blocks of up to
+ * BVH_BLOCK, so that those that go the same way are traced together: hand over the rays of a whole
+ * tile of neighbouring patches, in their order, rather than patch by patch. Answers are in the
+ * caller's order and do not depend on the grouping.
+ * stack  some 200 kB. */
+#define BVH_BLOCK 16384u
 void bvh_nearest_many(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count);
 void bvh_blocked_many(const Bvh *bvh, const Ray *ray, bool *blocked, size_t count);
+
+/* The same for rays whose neighbours in the array already go nearly the same way, like those of a
+ * picture's tile or towards one small lamp: nothing is sorted. */
+void bvh_nearest_beam(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count);
+void bvh_blocked_beam(const Bvh *bvh, const Ray *ray, bool *blocked, size_t count);
 
 /* Invariants: boxes contain their children and primitives, each primitive is there exactly once. */
 bool bvh_check(const Bvh *bvh);

@@ -62,10 +62,14 @@ static inline uint32_t child_shape_index(uint32_t child) { return child & ~CHILD
 
 typedef struct {
     const char *name;
+    bool packets; /* the calls for many rays gain when neighbours are alike */
     bool (*nearest)(const Bvh *bvh, const Ray *ray, Hit *hit);
     bool (*blocked)(const Bvh *bvh, const Ray *ray);
-    void (*nearest_many)(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count);
-    void (*blocked_many)(const Bvh *bvh, const Ray *ray, bool *blocked, size_t count);
+    /* Rays order[0..count-1], or 0..count-1 when `order` is NULL; answers at the same numbers. */
+    void (*nearest_many)(const Bvh *bvh, const Ray *ray, const uint32_t *order, size_t count,
+                         Hit *hit);
+    void (*blocked_many)(const Bvh *bvh, const Ray *ray, const uint32_t *order, size_t count,
+                         bool *blocked);
 } Kernel;
 
 struct Bvh {
@@ -86,6 +90,7 @@ extern const Kernel kernel_scalar;
 #define ISOLUX_X86 1
 extern const Kernel kernel_sse2;
 extern const Kernel kernel_avx2;
+extern const Kernel kernel_avx512;
 #endif
 
 #endif

@@ -31,23 +31,23 @@ ALWAYS_INLINE bool leaf_trace(const Bvh *bvh, const Ray *ray, const Probe *p, ui
     return found;
 }
 
-/* The nearest hit, or with `any` the first that turns up. */
-ALWAYS_INLINE Best tree_trace(const Bvh *bvh, const Ray *ray, const Probe *p, bool any)
+/* The subtree below `c`: improves *best, or with `any` stops at the first hit that turns up. */
+ALWAYS_INLINE void tree_walk(const Bvh *bvh, const Ray *ray, const Probe *p, uint32_t c, bool any,
+                             Best *best)
 {
-    Best best = best_none(ray->t_max);
     float near[BVH_STACK];
-    uint32_t child[BVH_STACK], top = 0, c = 0;
+    uint32_t child[BVH_STACK], top = 0;
     for (;;) {
         while (!child_is_leaf(c))
-            top += node_push(&bvh->node[c], p, best.limit, near + top, child + top, &c);
-        if (c != CHILD_NONE && leaf_trace(bvh, ray, p, c, any, &best) && any)
-            return best;
-        /* Not >=: an equally near hit of a smaller number may be in there. */
+            top += node_push(&bvh->node[c], p, best->limit, near + top, child + top, &c);
+        if (c != CHILD_NONE && leaf_trace(bvh, ray, p, c, any, best) && any)
+            return;
+        /* Not >=: an equally near hit that comes before may be in there. */
         do {
             if (top == 0)
-                return best;
+                return;
             top--;
-        } while (near[top] > best.limit);
+        } while (near[top] > best->limit);
         c = child[top];
     }
 }
@@ -78,7 +78,8 @@ static inline bool nearest_one(const Bvh *bvh, const Ray *ray, Hit *hit)
         return nearest_odd(bvh, ray, hit);
     Probe p;
     probe_init(&p, ray, bvh->lo, bvh->hi);
-    const Best best = tree_trace(bvh, ray, &p, false);
+    Best best = best_none(ray->t_max);
+    tree_walk(bvh, ray, &p, 0, false, &best);
     const Candidate *chosen = &best.first;
     if (__builtin_expect(best_is_open(&best), 0))
         chosen = first_or_facing(bvh, ray, &p, &best);
@@ -102,7 +103,8 @@ static inline bool blocked_one(const Bvh *bvh, const Ray *ray)
         return nearest_odd(bvh, ray, &hit);
     Probe p;
     probe_init(&p, ray, bvh->lo, bvh->hi);
-    const Best best = tree_trace(bvh, ray, &p, true);
+    Best best = best_none(ray->t_max);
+    tree_walk(bvh, ray, &p, 0, true, &best);
     return best_found(&best);
 }
 
@@ -116,18 +118,25 @@ static bool trace_blocked(const Bvh *bvh, const Ray *ray)
     return blocked_one(bvh, ray);
 }
 
-static void trace_nearest_many(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count)
+/* Ray by ray; kernels with packets do not use these. */
+static inline void singles_nearest(const Bvh *bvh, const Ray *ray, const uint32_t *order,
+                                   size_t count, Hit *hit)
 {
-    for (size_t i = 0; i < count; i++)
-        nearest_one(bvh, &ray[i], &hit[i]);
+    for (size_t i = 0; i < count; i++) {
+        const size_t at = order != NULL ? order[i] : i;
+        nearest_one(bvh, &ray[at], &hit[at]);
+    }
 }
 
-static void trace_blocked_many(const Bvh *bvh, const Ray *ray, bool *blocked, size_t count)
+static inline void singles_blocked(const Bvh *bvh, const Ray *ray, const uint32_t *order,
+                                   size_t count, bool *blocked)
 {
-    for (size_t i = 0; i < count; i++)
-        blocked[i] = blocked_one(bvh, &ray[i]);
+    for (size_t i = 0; i < count; i++) {
+        const size_t at = order != NULL ? order[i] : i;
+        blocked[at] = blocked_one(bvh, &ray[at]);
+    }
 }
 
-#define KERNEL_TABLE(isa)                                                                   \
-    { .name = isa, .nearest = trace_nearest, .blocked = trace_blocked,                      \
-      .nearest_many = trace_nearest_many, .blocked_many = trace_blocked_many }
+#define KERNEL_TABLE(isa, nearest_rays, blocked_rays, in_packets)                                \
+    { .name = isa, .packets = in_packets, .nearest = trace_nearest, .blocked = trace_blocked,   \
+      .nearest_many = nearest_rays, .blocked_many = blocked_rays }

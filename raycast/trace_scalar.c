@@ -39,4 +39,4 @@ static inline bool group_test(const TriangleGroup *group, const Probe *p, uint32
 
 #include "raycast/trace.h"
 
-const Kernel kernel_scalar = KERNEL_TABLE("scalar");
+const Kernel kernel_scalar = KERNEL_TABLE("scalar", singles_nearest, singles_blocked, false);

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* raycast/lanes_avx2.h -- 8 rays side by side: what packet.h computes with, in AVX2. */
+#ifndef RAYCAST_LANES_H
+#define RAYCAST_LANES_H
+
+#include <immintrin.h>
+#include <stdint.h>
+
+#define LANES 8u
+
+typedef __m256  Floats;
+typedef __m256d Doubles; /* half of the lanes */
+typedef __m256i Words;
+
+#define LANES_INLINE static inline __attribute__((always_inline))
+
+/* All bits of the lanes in `mask`. */
+LANES_INLINE Floats floats_mask(unsigned mask)
+{
+    const Words bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+    const Words set = _mm256_and_si256(_mm256_set1_epi32((int)mask), bit);
+    return _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, bit));
+}
+LANES_INLINE Floats floats_all(float x) { return _mm256_set1_ps(x); }
+LANES_INLINE Floats floats_load(const float *p) { return _mm256_load_ps(p); }
+LANES_INLINE void floats_store(float *p, Floats a) { _mm256_store_ps(p, a); }
+LANES_INLINE Floats floats_min(Floats a, Floats b) { return _mm256_min_ps(a, b); }
+LANES_INLINE Floats floats_max(Floats a, Floats b) { return _mm256_max_ps(a, b); }
+LANES_INLINE Floats floats_abs(Floats a)
+{
+    return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a);
+}
+/* a * b + c, rounded once. */
+LANES_INLINE Floats floats_fused(Floats a, Floats b, Floats c) { return _mm256_fmadd_ps(a, b, c); }
+LANES_INLINE Floats floats_sign_of(Floats size, Floats sign)
+{
+    const Floats bit = _mm256_set1_ps(-0.0f);
+    return _mm256_or_ps(_mm256_and_ps(bit, sign), _mm256_andnot_ps(bit, size));
+}
+/* Lanes of `mask` from a, the others from b. */
+LANES_INLINE Floats floats_pick(unsigned mask, Floats a, Floats b)
+{
+    return _mm256_blendv_ps(b, a, floats_mask(mask));
+}
+LANES_INLINE unsigned floats_signs(Floats a) { return (unsigned)_mm256_movemask_ps(a); }
+LANES_INLINE unsigned floats_less(Floats a, Floats b)
+{
+    return floats_signs(_mm256_cmp_ps(a, b, _CMP_LT_OQ));
+}
+LANES_INLINE unsigned floats_less_equal(Floats a, Floats b)
+{
+    return floats_signs(_mm256_cmp_ps(a, b, _CMP_LE_OQ));
+}
+LANES_INLINE unsigned floats_equal(Floats a, Floats b)
+{
+    return floats_signs(_mm256_cmp_ps(a, b, _CMP_EQ_OQ));
+}
+LANES_INLINE float floats_least(Floats a)
+{
+    __m128 m = _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
+    m = _mm_min_ps(m, _mm_movehl_ps(m, m));
+    return _mm_cvtss_f32(_mm_min_ss(m, _mm_shuffle_ps(m, m, 1)));
+}
+LANES_INLINE float floats_most(Floats a)
+{
+    __m128 m = _mm_max_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
+    m = _mm_max_ps(m, _mm_movehl_ps(m, m));
+    return _mm_cvtss_f32(_mm_max_ss(m, _mm_shuffle_ps(m, m, 1)));
+}
+
+LANES_INLINE Words words_all(uint32_t x) { return _mm256_set1_epi32((int)x); }
+LANES_INLINE Words words_load(const uint32_t *p) { return _mm256_load_si256((const Words *)p); }
+LANES_INLINE void words_store(uint32_t *p, Words a) { _mm256_store_si256((Words *)p, a); }
+LANES_INLINE Words words_pick(unsigned mask, Words a, Words b)
+{
+    return _mm256_castps_si256(floats_pick(mask, _mm256_castsi256_ps(a), _mm256_castsi256_ps(b)));
+}
+LANES_INLINE unsigned words_less(Words a, Words b)
+{
+    const Words top = _mm256_set1_epi32(INT32_MIN); /* there is only a signed comparison */
+    const Words less = _mm256_cmpgt_epi32(_mm256_xor_si256(b, top), _mm256_xor_si256(a, top));
+    return floats_signs(_mm256_castsi256_ps(less));
+}
+
+LANES_INLINE Doubles doubles_all(double x) { return _mm256_set1_pd(x); }
+LANES_INLINE Doubles doubles_load(const double *p) { return _mm256_load_pd(p); }
+LANES_INLINE void doubles_store(double *p, Doubles a) { _mm256_store_pd(p, a); }
+LANES_INLINE Doubles doubles_of(Floats a, int half)
+{
+    return _mm256_cvtps_pd(half == 0 ? _mm256_castps256_ps128(a) : _mm256_extractf128_ps(a, 1));
+}
+LANES_INLINE Floats floats_of(Doubles low, Doubles high)
+{
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(low)),
+                                _mm256_cvtpd_ps(high), 1);
+}
+LANES_INLINE Doubles doubles_min(Doubles a, Doubles b) { return _mm256_min_pd(a, b); }
+LANES_INLINE Doubles doubles_max(Doubles a, Doubles b) { return _mm256_max_pd(a, b); }
+LANES_INLINE unsigned doubles_less_equal(Doubles a, Doubles b)
+{
+    return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_LE_OQ));
+}
+
+#endif

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* raycast/lanes_avx512.h -- 16 rays side by side: what packet.h computes with, in AVX-512. */
+#ifndef RAYCAST_LANES_H
+#define RAYCAST_LANES_H
+
+#include <immintrin.h>
+#include <stdint.h>
+
+#define LANES 16u
+
+typedef __m512  Floats;
+typedef __m512d Doubles; /* half of the lanes */
+typedef __m512i Words;
+
+#define LANES_INLINE static inline __attribute__((always_inline))
+
+LANES_INLINE Floats floats_all(float x) { return _mm512_set1_ps(x); }
+LANES_INLINE Floats floats_load(const float *p) { return _mm512_load_ps(p); }
+LANES_INLINE void floats_store(float *p, Floats a) { _mm512_store_ps(p, a); }
+LANES_INLINE Floats floats_min(Floats a, Floats b) { return _mm512_min_ps(a, b); }
+LANES_INLINE Floats floats_max(Floats a, Floats b) { return _mm512_max_ps(a, b); }
+LANES_INLINE Floats floats_abs(Floats a) { return _mm512_abs_ps(a); }
+/* a * b + c, rounded once. */
+LANES_INLINE Floats floats_fused(Floats a, Floats b, Floats c) { return _mm512_fmadd_ps(a, b, c); }
+LANES_INLINE Floats floats_sign_of(Floats size, Floats sign)
+{
+    const Words bit = _mm512_set1_epi32(INT32_MIN);
+    return _mm512_castsi512_ps(_mm512_ternarylogic_epi32(bit, _mm512_castps_si512(sign),
+                                                         _mm512_castps_si512(size), 0xca));
+}
+/* Lanes of `mask` from a, the others from b. */
+LANES_INLINE Floats floats_pick(unsigned mask, Floats a, Floats b)
+{
+    return _mm512_mask_mov_ps(b, (__mmask16)mask, a);
+}
+LANES_INLINE unsigned floats_less(Floats a, Floats b)
+{
+    return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ);
+}
+LANES_INLINE unsigned floats_less_equal(Floats a, Floats b)
+{
+    return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ);
+}
+LANES_INLINE unsigned floats_equal(Floats a, Floats b)
+{
+    return _mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ);
+}
+LANES_INLINE unsigned floats_signs(Floats a)
+{
+    return _mm512_movepi32_mask(_mm512_castps_si512(a));
+}
+LANES_INLINE float floats_least(Floats a) { return _mm512_reduce_min_ps(a); }
+LANES_INLINE float floats_most(Floats a) { return _mm512_reduce_max_ps(a); }
+
+LANES_INLINE Words words_all(uint32_t x) { return _mm512_set1_epi32((int)x); }
+LANES_INLINE Words words_load(const uint32_t *p) { return _mm512_load_si512(p); }
+LANES_INLINE void words_store(uint32_t *p, Words a) { _mm512_store_si512(p, a); }
+LANES_INLINE Words words_pick(unsigned mask, Words a, Words b)
+{
+    return _mm512_mask_mov_epi32(b, (__mmask16)mask, a);
+}
+LANES_INLINE unsigned words_less(Words a, Words b) { return _mm512_cmplt_epu32_mask(a, b); }
+
+LANES_INLINE Doubles doubles_all(double x) { return _mm512_set1_pd(x); }
+LANES_INLINE Doubles doubles_load(const double *p) { return _mm512_load_pd(p); }
+LANES_INLINE void doubles_store(double *p, Doubles a) { _mm512_store_pd(p, a); }
+LANES_INLINE Doubles doubles_of(Floats a, int half)
+{
+    return _mm512_cvtps_pd(half == 0 ? _mm512_castps512_ps256(a) : _mm512_extractf32x8_ps(a, 1));
+}
+LANES_INLINE Floats floats_of(Doubles low, Doubles high)
+{
+    return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(low)), _mm512_cvtpd_ps(high),
+                              1);
+}
+LANES_INLINE Doubles doubles_min(Doubles a, Doubles b) { return _mm512_min_pd(a, b); }
+LANES_INLINE Doubles doubles_max(Doubles a, Doubles b) { return _mm512_max_pd(a, b); }
+LANES_INLINE unsigned doubles_less_equal(Doubles a, Doubles b)
+{
+    return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ);
+}
+
+#endif

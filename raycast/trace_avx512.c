@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The walk with AVX-512: one ray as with AVX2, or 16 rays together. */
+#include "raycast/internal.h"
+#include "raycast/probe.h"
+
+#ifdef ISOLUX_X86
+
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi2,popcnt"))), apply_to = function)
+#else
+#pragma GCC push_options
+#pragma GCC target("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi2,popcnt")
+#endif
+
+#include "raycast/single_avx2.h"
+
+#include "raycast/trace.h"
+
+#include "raycast/lanes_avx512.h"
+
+#include "raycast/packet.h"
+
+const Kernel kernel_avx512 = KERNEL_TABLE("avx512", packets_nearest, packets_blocked, true);
+
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+
+#else
+typedef int trace_avx512_is_empty_here; /* a file must declare something */
+#endif
