@@ -176,6 +176,9 @@ static inline uint32_t pairing_next(const Pairing *p, uint32_t link)
     return link + 1 == pairing_begin(p, piece + 1) ? pairing_begin(p, piece) : link + 1;
 }
 
+/* surfaces_join.c: whether another face stands on the edge of a face from p to q, as the soup says:
+ * light on one side of it is none of the other's. */
+bool soup_contact(const Polygons *soup, uint32_t face, Vec3 p, Vec3 q);
 /* surfaces_join.c: pairs triangles that form a parallelogram: sets diagonal and other. */
 bool pieces_join(Pieces *pieces, const Connection *connection, const Polygons *soup,
                  const Vec3 *position, Error *err);

@@ -33,15 +33,11 @@ static bool parallelogram(const Pieces *pieces, const Vec3 *position, uint32_t u
     return true;
 }
 
-/* Whether another face stands on an edge: light on one side of it is none of the other's. */
-static bool is_contact(const Pieces *pieces, const Polygons *soup, const Vec3 *position,
-                       uint32_t use)
+bool soup_contact(const Polygons *soup, uint32_t face, Vec3 p, Vec3 q)
 {
     if (soup->contact == NULL)
         return false;
-    const uint32_t face = pieces->face[use / 3];
     const uint32_t first = soup->first[face], last = soup->first[face + 1] - 1;
-    const Vec3 p = position[pieces->corner[use]], q = position[pieces->corner[use_next(use)]];
     const double tolerance = position_tolerance(fmax(largest_coordinate(p),
                                                      largest_coordinate(q)));
     for (uint32_t k = first; k <= last; k++) {
@@ -54,6 +50,13 @@ static bool is_contact(const Pieces *pieces, const Polygons *soup, const Vec3 *p
             return true;
     }
     return false;
+}
+
+static bool is_contact(const Pieces *pieces, const Polygons *soup, const Vec3 *position,
+                       uint32_t use)
+{
+    return soup_contact(soup, pieces->face[use / 3], position[pieces->corner[use]],
+                        position[pieces->corner[use_next(use)]]);
 }
 
 static bool may_join(const Pieces *pieces, const Connection *connection, const Polygons *soup,

@@ -60,6 +60,11 @@ static bool report_many(Pairing *p, const uint32_t *link, uint32_t n)
 {
     enum { COUNTED = 2 };
     const Vec3 *position = p->weld->position;
+    /* A face that was cut where others stand on it has such edges by our own doing. */
+    for (uint32_t k = 0; k < n; k++)
+        if (soup_contact(p->repair->soup, link_face(p, link[k]), position[p->from[link[k]]],
+                         position[p->to[link[k]]]))
+            return true;
     for (uint32_t k = 2; k < n; k++) {
         const uint32_t piece = pairing_piece(p, link[k]);
         p->repair->repairs.nonmanifold += p->state[piece] != COUNTED;
