@@ -40,11 +40,8 @@ static void surface_corners(const Surfaces *s, const Surface *f, Vec3 p[4])
     p[3] = s->position[f->kind == SURFACE_QUAD ? c[5] : c[0]];
 }
 
-static bool is_small(const Surface *f, const Vec3 p[4], double size)
+static bool has_short_edges(const Vec3 p[4], double most)
 {
-    const double most = PIECE_EDGE_MOST * size;
-    if (!(f->area > 0 && f->area < PIECE_AREA_MOST * size * size))
-        return false;
     for (int k = 0; k < 4; k++) {
         const Vec3 edge = vec3_sub(p[(k + 1) % 4], p[k]);
         if (!(vec3_dot(edge, edge) < most * most))
@@ -53,17 +50,17 @@ static bool is_small(const Surface *f, const Vec3 p[4], double size)
     return true;
 }
 
-/* Fills all of *out but its class; false when the surface is none of the small ones. */
+/* Fills *out but for class and next; false when the surface is none of the small ones. */
 static bool make_piece(const MergeSetup *setup, uint32_t surface, MergePiece *out)
 {
     const Surfaces *s = setup->merge->surfaces;
     const Surface *f = &s->surface[surface];
     const double size = setup->size;
     Vec3 p[4];
-    if (f->kind == SURFACE_SHAPE)
+    if (f->kind == SURFACE_SHAPE || !(f->area > 0 && f->area < PIECE_AREA_MOST * size * size))
         return false;
     surface_corners(s, f, p);
-    if (!is_small(f, p, size))
+    if (!has_short_edges(p, PIECE_EDGE_MOST * size))
         return false;
     const Vec3 diagonal = vec3_sub(p[2], p[0]);
     const Vec3 half[2] = { vec3_cross(vec3_sub(p[1], p[0]), diagonal),
@@ -135,6 +132,19 @@ static bool make_classes(MergeSetup *setup)
     return true;
 }
 
+static void link_pieces(Merge *m)
+{
+    for (uint32_t i = 0; i < m->count; i++) {
+        MergePiece *piece = &m->piece[i];
+        const Surface *f = &m->surfaces->surface[piece->surface];
+        for (unsigned k = 0; k < 4; k++) {
+            const uint32_t other = k < patches_corners(f) ? f->neighbour[k] : SURFACE_NONE;
+            const uint32_t j = other == SURFACE_NONE ? MERGE_NONE : m->local[other];
+            piece->next[k] = j != MERGE_NONE && m->piece[j].class == piece->class ? j : MERGE_NONE;
+        }
+    }
+}
+
 static bool make_pieces(MergeSetup *setup)
 {
     Merge *m = setup->merge;
@@ -143,7 +153,10 @@ static bool make_pieces(MergeSetup *setup)
         if (merge_side_used(m, i) && make_piece(setup, i, &m->piece[m->count]))
             m->local[i] = m->count++;
     }
-    return make_classes(setup);
+    if (!make_classes(setup))
+        return false;
+    link_pieces(m);
+    return true;
 }
 
 static void merge_clear(Merge *m)

@@ -47,6 +47,7 @@ typedef struct {
     float    area;
     uint32_t class;          /* pieces of one cluster agree in it */
     uint32_t surface;
+    uint32_t next[4];        /* piece of the same class over each edge, or MERGE_NONE */
 } MergePiece;
 
 typedef struct {
@@ -76,10 +77,11 @@ static inline bool merge_side_used(const Merge *m, uint32_t surface)
 static inline void merge_box_add(MergeBox *box, const MergeBox *other)
 {
     for (int k = 0; k < MERGE_AXES; k++) {
-        box->lo[k] = fminf(box->lo[k], other->lo[k]);
-        box->hi[k] = fmaxf(box->hi[k], other->hi[k]);
+        /* never NaN, so quicker than fminf */
+        box->lo[k] = other->lo[k] < box->lo[k] ? other->lo[k] : box->lo[k];
+        box->hi[k] = other->hi[k] > box->hi[k] ? other->hi[k] : box->hi[k];
     }
-    box->longest = fmaxf(box->longest, other->longest);
+    box->longest = other->longest > box->longest ? other->longest : box->longest;
 }
 
 static inline MergeBox merge_piece_box(const MergePiece *piece)
@@ -105,7 +107,8 @@ static inline bool merge_box_fits(const MergeBox *box, bool normals)
         const double d = (double)box->hi[k] - box->lo[k];
         square[k / MERGE_PLACE] += d * d;
     }
-    const double most = fmax(merge_extent_most, merge_needle_most * box->longest);
+    const double needle = merge_needle_most * box->longest;
+    const double most = needle > merge_extent_most ? needle : merge_extent_most;
     return square[0] <= most * most
         && (!normals || square[1] <= merge_chord_most * merge_chord_most);
 }

@@ -47,11 +47,11 @@ uint64_t merge_heap_pop(uint64_t *heap, uint32_t *count)
     return least;
 }
 
-static uint64_t distance_key(const MergeCluster *c, const MergePiece *piece, uint32_t i)
+static uint64_t distance_key(const float mean[MERGE_AXES], const MergePiece *piece, uint32_t i)
 {
     float sum = 0;
     for (int k = 0; k < MERGE_AXES; k++) {
-        const float d = piece->at[k] - (float)(c->moment[k] / c->area);
+        const float d = piece->at[k] - mean[k];
         sum += (k < MERGE_PLACE ? 1 : NORMAL_WEIGHT) * d * d;
     }
     uint32_t bits; /* floats >= 0 are in the order of their bits */
@@ -70,19 +70,18 @@ static void take_piece(Grower *g, uint32_t number, uint32_t i)
     else
         c->box = box;
     c->area += piece->area;
-    for (int k = 0; k < MERGE_AXES; k++)
+    float mean[MERGE_AXES];
+    for (int k = 0; k < MERGE_AXES; k++) {
         c->moment[k] += (double)piece->area * piece->at[k];
+        mean[k] = (float)(c->moment[k] / c->area);
+    }
     m->cluster_of[i] = number;
-    const Surface *f = &m->surfaces->surface[piece->surface];
-    for (unsigned k = 0; k < patches_corners(f); k++) {
-        if (f->neighbour[k] == SURFACE_NONE)
-            continue;
-        const uint32_t j = m->local[f->neighbour[k]];
-        if (j == MERGE_NONE || m->cluster_of[j] != MERGE_NONE || g->seen[j] == number + 1
-            || m->piece[j].class != c->class)
+    for (unsigned k = 0; k < 4; k++) {
+        const uint32_t j = piece->next[k];
+        if (j == MERGE_NONE || m->cluster_of[j] != MERGE_NONE || g->seen[j] == number + 1)
             continue;
         g->seen[j] = number + 1;
-        merge_heap_push(g->heap, &g->heap_count, distance_key(c, &m->piece[j], j));
+        merge_heap_push(g->heap, &g->heap_count, distance_key(mean, &m->piece[j], j));
     }
 }
 

@@ -19,7 +19,6 @@ typedef struct {
     float    at[MERGE_AXES];
     float    area;
     uint32_t cluster;
-    MergeBox box;
 } Fragment;
 
 typedef struct {
@@ -75,34 +74,38 @@ typedef struct {
     float lo, hi;         /* of the centroids along it */
     double area;          /* of all */
     double parts;         /* wanted along the axis when they are so far apart that it decides */
+    bool   fits;          /* the box of the centroids keeps the limits */
 } Spread;
 
 /* The axis along which centroids are furthest apart beside its limit. */
 static Spread spread_of(const Joiner *j, uint32_t begin, uint32_t end)
 {
-    float lo[MERGE_AXES], hi[MERGE_AXES];
+    MergeBox box = { .longest = 0 };
     Spread spread = { .area = 0 };
+    for (int k = 0; k < MERGE_AXES; k++)
+        box.lo[k] = box.hi[k] = j->item[begin].at[k];
     for (uint32_t i = begin; i < end; i++) {
         const Fragment *f = &j->item[i];
         spread.area += f->area;
         for (int k = 0; k < MERGE_AXES; k++) {
-            lo[k] = i == begin ? f->at[k] : fminf(lo[k], f->at[k]);
-            hi[k] = i == begin ? f->at[k] : fmaxf(hi[k], f->at[k]);
+            box.lo[k] = f->at[k] < box.lo[k] ? f->at[k] : box.lo[k];
+            box.hi[k] = f->at[k] > box.hi[k] ? f->at[k] : box.hi[k];
         }
     }
+    spread.fits = merge_box_fits(&box, j->normals);
     double most = -1, boxes = 1;
     for (int k = 0; k < (j->normals ? MERGE_AXES : MERGE_PLACE); k++) {
         /* edge of a cube with the diagonal that a box may have */
         const double limit = (k < MERGE_PLACE ? merge_extent_most : merge_chord_most) / sqrt(3);
-        const double width = ((double)hi[k] - lo[k]) / limit;
+        const double width = ((double)box.hi[k] - box.lo[k]) / limit;
         boxes *= fmax(1, width);
         if (width > most) {
             most = width;
             spread.axis = k;
         }
     }
-    spread.lo = lo[spread.axis];
-    spread.hi = hi[spread.axis];
+    spread.lo = box.lo[spread.axis];
+    spread.hi = box.hi[spread.axis];
     spread.parts = boxes > spread.area ? fmax(2, ceil(most)) : 0;
     return spread;
 }
@@ -142,15 +145,16 @@ static uint32_t part_items(Fragment *item, uint32_t begin, uint32_t end, int axi
     return lo > begin && lo < end ? lo : begin + (end - begin) / 2;
 }
 
-static bool is_part(const Joiner *j, uint32_t begin, uint32_t end, double area)
+static bool is_part(const Joiner *j, uint32_t begin, uint32_t end, const Spread *spread)
 {
+    const MergeCluster *cluster = j->merge->cluster;
     if (end - begin < 2)
         return true;
-    if (area > PART_AREA_MOST)
+    if (spread->area > PART_AREA_MOST || !spread->fits)
         return false;
-    MergeBox box = j->item[begin].box;
+    MergeBox box = cluster[j->item[begin].cluster].box;
     for (uint32_t i = begin + 1; i < end; i++)
-        merge_box_add(&box, &j->item[i].box);
+        merge_box_add(&box, &cluster[j->item[i].cluster].box);
     return merge_box_fits(&box, j->normals);
 }
 
@@ -160,7 +164,7 @@ static void join_range(Joiner *j, uint32_t begin, uint32_t end)
 {
     for (;;) {
         const Spread spread = spread_of(j, begin, end);
-        if (is_part(j, begin, end, spread.area)) {
+        if (is_part(j, begin, end, &spread)) {
             /* A fragment still, and as wide as may be, would only be harder to join by place. */
             if (!j->normals || spread.area >= merge_fragment)
                 join_items(j, begin, end);
@@ -246,7 +250,6 @@ static void list_fragments(Joiner *j)
         Fragment *f = &j->item[--j->first[cluster->class]];
         f->cluster = c;
         f->area = (float)cluster->area;
-        f->box = cluster->box;
         for (int k = 0; k < MERGE_AXES; k++)
             f->at[k] = (float)(cluster->moment[k] / cluster->area);
     }

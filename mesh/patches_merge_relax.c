@@ -36,9 +36,10 @@ static uint32_t cluster_root(uint32_t *parent, uint32_t c)
 
 static double distance(const MergeCluster *c, const float at[MERGE_AXES])
 {
+    const double inverse = 1 / c->area;
     double sum = 0;
     for (int k = 0; k < MERGE_AXES; k++) {
-        const double d = at[k] - c->moment[k] / c->area;
+        const double d = at[k] - c->moment[k] * inverse;
         sum += (k < MERGE_PLACE ? 1 : NORMAL_WEIGHT) * d * d;
     }
     return sum;
@@ -59,14 +60,11 @@ static void list_members(Relaxer *r)
         r->member[--r->first[m->cluster_of[i]]] = i;
 }
 
-/* Cluster beside piece i over edge k when it is another one of the same class, or MERGE_NONE. */
+/* Cluster beside piece i over edge k, or MERGE_NONE. */
 static uint32_t cluster_beside(const Merge *m, uint32_t i, unsigned k)
 {
-    const Surface *f = &m->surfaces->surface[m->piece[i].surface];
-    const uint32_t j = f->neighbour[k] == SURFACE_NONE ? MERGE_NONE : m->local[f->neighbour[k]];
-    if (j == MERGE_NONE || m->piece[j].class != m->piece[i].class)
-        return MERGE_NONE;
-    return m->cluster_of[j];
+    const uint32_t j = m->piece[i].next[k];
+    return j == MERGE_NONE ? MERGE_NONE : m->cluster_of[j];
 }
 
 /* The neighbour that remnant c fits best, or c. Pieces it has taken in itself are not asked. */
@@ -81,8 +79,7 @@ static uint32_t best_host(Relaxer *r, uint32_t c, bool normals)
     double least = INFINITY;
     for (uint32_t n = r->first[c]; n < r->first[c + 1]; n++) {
         const uint32_t i = r->member[n];
-        const unsigned corners = patches_corners(&m->surfaces->surface[m->piece[i].surface]);
-        for (unsigned k = 0; k < corners; k++) {
+        for (unsigned k = 0; k < 4; k++) {
             uint32_t host = cluster_beside(m, i, k);
             if (host == MERGE_NONE || (host = cluster_root(r->parent, host)) == c)
                 continue;
@@ -151,8 +148,7 @@ static void move_borders(Merge *m)
             continue;
         double least = -1; /* distance to the own one, found when it is needed */
         uint32_t best = own;
-        const unsigned corners = patches_corners(&m->surfaces->surface[piece->surface]);
-        for (unsigned k = 0; k < corners; k++) {
+        for (unsigned k = 0; k < 4; k++) {
             const uint32_t other = cluster_beside(m, i, k);
             if (other == MERGE_NONE || other == best || other == own)
                 continue;
