@@ -122,6 +122,8 @@ typedef struct {
     const Stitches *stitches;
     uint32_t       *use;       /* [links]  use a link is a piece of; NULL: of the same number */
     uint32_t        links;
+    uint32_t       *mesh_use;  /* [links]  use of the half-edge mesh */
+    uint32_t       *mesh_link; /* and back; PIECE_NONE: of no edge */
     uint8_t        *reversed;  /* [pieces]  1: wound against the half-edge mesh */
     uint8_t        *rim;       /* [pieces]  1: one of its edges has no face at the other side */
 } Connection;
@@ -158,6 +160,8 @@ typedef struct {
 void pairing_certain(Pairing *pairing);
 /* and of the rest those whose windings agree, most alike first. */
 bool pairing_likely(Pairing *pairing);
+/* surfaces_mesh.c: makes the half-edge mesh of pairs whose windings agree but for reversed[]. */
+bool pairing_mesh(Pairing *pairing, Connection *out);
 /* surfaces_wind.c: turns triangles so that pairs agree. */
 bool pairing_wind(Pairing *pairing);
 

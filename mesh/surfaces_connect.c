@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Triangles to half-edges: whatever a half-edge mesh would refuse is taken apart beforehand.
- *
- * Edges are matched in pairs, and each fan of triangles round a vertex gets a vertex of its own, so
- * that boxes touching at an edge or a corner stay two bodies and keep all their own neighbours.
- * Triangles with stitches go in as the polygons they have become. What still does not fit, OpenMesh
- * refuses and is kept apart.
- */
+/* Triangles that continue each other: from edges and stitches to pairs, from pairs to a mesh. */
 #include <assert.h>
 
 #include "base/array.h"
@@ -107,82 +101,6 @@ static void find_rims(const Pairing *p, uint8_t *rim)
     }
 }
 
-static uint32_t corner_root(uint32_t *parent, uint32_t i)
-{
-    while (parent[i] != i) {
-        parent[i] = parent[parent[i]]; /* halves the path for the next who asks */
-        i = parent[i];
-    }
-    return i;
-}
-
-static void corner_unite(uint32_t *parent, uint32_t a, uint32_t b)
-{
-    a = corner_root(parent, a);
-    b = corner_root(parent, b);
-    if (a < b)
-        parent[b] = a;
-    else
-        parent[a] = b;
-}
-
-/* One vertex per fan of triangles round a welded vertex: fan [links]. Returns how many.
- * parent [links]: union-find over corners. */
-static uint32_t number_fans(const Pairing *p, uint32_t *parent, uint32_t *fan)
-{
-    for (uint32_t link = 0; link < p->links; link++)
-        parent[link] = link;
-    for (uint32_t link = 0; link < p->links; link++) {
-        const uint32_t other = p->partner[link];
-        if (other == PIECE_NONE || other < link)
-            continue;
-        const bool opposite = p->from[link] != p->from[other];
-        corner_unite(parent, link, opposite ? pairing_next(p, other) : other);
-        corner_unite(parent, pairing_next(p, link), opposite ? other : pairing_next(p, other));
-    }
-    uint32_t fans = 0;
-    /* Roots are the least corner of their fan, so they come before all others of it. */
-    for (uint32_t i = 0; i < p->links; i++)
-        fan[i] = parent[i] == i ? fans++ : fan[corner_root(parent, i)];
-    return fans;
-}
-
-static bool report_refused(const Pairing *p)
-{
-    for (uint32_t i = 0; i < p->pieces->count; i++) {
-        p->repair->repairs.refused += p->state[i];
-        if (p->state[i]
-            && !repair_report(p->repair, &(Defect){
-                    .kind = DEFECT_REFUSED, .face = p->pieces->face[i], .other = DEFECT_NO_FACE,
-                    .at = p->weld->position[p->pieces->corner[3 * (size_t)i]] }))
-            return false;
-    }
-    return true;
-}
-
-static void build_mesh(Pairing *p, Connection *out)
-{
-    Error *err = p->repair->err;
-    const uint32_t count = p->pieces->count;
-    uint32_t *fan = array_create(p->links, sizeof *fan, "edges", err);
-    uint32_t *first = array_create((size_t)count + 1, sizeof *first, "edges", err);
-    if (!error_is_set(err)) {
-        const uint32_t fans = number_fans(p, p->to, fan);
-        uint32_t *corner = p->from; /* no longer needed, nor is p->to */
-        for (uint32_t i = 0; i < count; i++) {
-            const uint32_t begin = pairing_begin(p, i), n = pairing_begin(p, i + 1) - begin;
-            first[i + 1] = begin + n;
-            for (uint32_t k = 0; k < n; k++)
-                corner[begin + k] = fan[begin + (out->reversed[i] ? (n - k) % n : k)];
-        }
-        out->mesh = halfedge_create(first, corner, count, fans, p->state, err);
-    }
-    array_free(fan);
-    array_free(first);
-    if (out->mesh != NULL)
-        report_refused(p);
-}
-
 bool connection_create(Connection *connection, Pieces *pieces, Stitches *stitches,
                        const Weld *weld, Repair *repair)
 {
@@ -205,7 +123,7 @@ bool connection_create(Connection *connection, Pieces *pieces, Stitches *stitche
                 if (p.state[i] != 1)
                     orient_part(&p, connection->reversed, i);
             find_rims(&p, connection->rim);
-            build_mesh(&p, connection);
+            pairing_mesh(&p, connection);
         }
     }
     pairing_clear(&p);
@@ -218,23 +136,15 @@ void connection_clear(Connection *connection)
 {
     halfedge_destroy(connection->mesh);
     array_free(connection->use);
+    array_free(connection->mesh_use);
+    array_free(connection->mesh_link);
     array_free(connection->reversed);
     array_free(connection->rim);
     *connection = (Connection){ 0 };
 }
 
-/* The half-edge mesh has a reversed triangle's links the other way round. */
-static uint32_t mesh_link(const Connection *connection, uint32_t link)
-{
-    const uint32_t piece = connection_use(connection, link) / 3;
-    if (!connection->reversed[piece])
-        return link;
-    return stitches_link(connection->stitches, 3 * piece)
-         + stitches_link(connection->stitches, 3 * piece + 3) - 1 - link;
-}
-
 uint32_t connection_across(const Connection *connection, uint32_t link)
 {
-    const uint32_t other = halfedge_across(connection->mesh, mesh_link(connection, link));
-    return other == HALFEDGE_NONE ? PIECE_NONE : mesh_link(connection, other);
+    const uint32_t other = halfedge_across(connection->mesh, connection->mesh_use[link]);
+    return other == HALFEDGE_NONE ? PIECE_NONE : connection->mesh_link[other];
 }

@@ -13,7 +13,7 @@
 
 #include "base/array.h"
 #include "mesh/internal.h"
-#include "mesh/points.h"
+#include "mesh/point_tree.h"
 
 /* In a surface without holes a corner lies inside at most a few open edges. Where thousands of
  * edges lie in one line on each other, all with ends of their own, cuts would be as many as pairs:
@@ -31,7 +31,7 @@ typedef struct {
     const Pieces *pieces;
     const Vec3   *position;
     Repair       *repair;
-    Points        points;     /* ends of open edges */
+    PointTree     tree;       /* ends of open edges */
     uint32_t     *open;       /* [open_count]  uses, rising */
     uint32_t      open_count;
     Cut          *cut;        /* [cut_count]  by edge and fraction */
@@ -61,7 +61,7 @@ static bool find_open(Stitcher *s, const Edges *edges, uint32_t vertex_count)
         for (uint32_t v = 0; v < vertex_count; v++)
             if (ends[v])
                 vertex[found++] = v;
-        points_create(&s->points, s->position, vertex, found, err);
+        point_tree_create(&s->tree, s->position, vertex, found, err);
     }
     array_free(ends);
     array_free(vertex);
@@ -97,8 +97,8 @@ static bool find_cuts(Stitcher *s)
         const uint32_t use = s->open[s->edge], start = s->cut_count;
         const Vec3 p = s->position[s->pieces->corner[use]];
         const Vec3 q = s->position[s->pieces->corner[use_next(use)]];
-        const bool whole = points_along(&s->points, p, q, repair_reach(s->repair, p, q), add_cut,
-                                        s);
+        const bool whole = point_tree_along(&s->tree, p, q, repair_reach(s->repair, p, q),
+                                            add_cut, s);
         if (error_is_set(s->repair->err))
             return false;
         if (!whole) {
@@ -235,7 +235,7 @@ bool stitches_create(Stitches *stitches, const Pieces *pieces, const Edges *edge
             repair->repairs.stitched = s.cut_count;
     }
     links_clear(&links);
-    points_clear(&s.points);
+    point_tree_clear(&s.tree);
     array_free(s.open);
     array_free(s.cut);
     if (error_is_set(repair->err))

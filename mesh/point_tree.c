@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Points along a line, by a tree of boxes over the points in Morton order [morton66]. */
-#include "mesh/points.h"
+#include "mesh/point_tree.h"
 
 #include <assert.h>
 #include <math.h>
@@ -23,13 +23,13 @@ static uint32_t spread_bits(uint32_t x)
     return (x | x << 2) & 0x09249249u;
 }
 
-static void range_box(const Points *points, uint32_t begin, uint32_t end, Vec3 *lo, Vec3 *hi)
+static void range_box(const PointTree *tree, uint32_t begin, uint32_t end, Vec3 *lo, Vec3 *hi)
 {
     *lo = vec3(INFINITY, INFINITY, INFINITY);
     *hi = vec3(-INFINITY, -INFINITY, -INFINITY);
     for (uint32_t i = begin; i < end; i++) {
-        *lo = vec3_min(*lo, points->position[points->point[i]]);
-        *hi = vec3_max(*hi, points->position[points->point[i]]);
+        *lo = vec3_min(*lo, tree->position[tree->point[i]]);
+        *hi = vec3_max(*hi, tree->position[tree->point[i]]);
     }
 }
 
@@ -42,80 +42,80 @@ static uint32_t grid_place(double x, double lo, double hi)
 /* Sorts a range; points that are crowded into one cell of its grid get a grid of their own. Each
  * grid is at most a 1023rd of the one around it, so doubles end this within a few rounds, but for
  * points that differ in one coordinate only by what is lost in (x - lo). */
-static void morton_sort(Points *points, uint32_t begin, uint32_t end, uint64_t *key, int rounds)
+static void morton_sort(PointTree *tree, uint32_t begin, uint32_t end, uint64_t *key, int rounds)
 {
     Vec3 lo, hi;
-    range_box(points, begin, end, &lo, &hi);
+    range_box(tree, begin, end, &lo, &hi);
     for (uint32_t i = begin; i < end; i++) {
-        const Vec3 p = points->position[points->point[i]];
+        const Vec3 p = tree->position[tree->point[i]];
         const uint32_t code = spread_bits(grid_place(p.x, lo.x, hi.x))
                             | spread_bits(grid_place(p.y, lo.y, hi.y)) << 1
                             | spread_bits(grid_place(p.z, lo.z, hi.z)) << 2;
-        key[i] = (uint64_t)code << 32 | points->point[i];
+        key[i] = (uint64_t)code << 32 | tree->point[i];
     }
     edges_sort_keys(key + begin, end - begin);
     for (uint32_t i = begin; i < end; i++)
-        points->point[i] = (uint32_t)key[i];
+        tree->point[i] = (uint32_t)key[i];
     for (uint32_t i = begin; i < end && rounds > 1;) {
         uint32_t next = i + 1;
         while (next < end && key[next] >> 32 == key[i] >> 32)
             next++;
         if (next - i > 2 * LEAF && next - i < end - begin)
-            morton_sort(points, i, next, key, rounds - 1);
+            morton_sort(tree, i, next, key, rounds - 1);
         i = next;
     }
 }
 
-static void build_boxes(Points *points, uint32_t node, uint32_t begin, uint32_t end)
+static void build_boxes(PointTree *tree, uint32_t node, uint32_t begin, uint32_t end)
 {
     if (end - begin <= 2 * LEAF) {
-        range_box(points, begin, end, &points->lo[node], &points->hi[node]);
+        range_box(tree, begin, end, &tree->lo[node], &tree->hi[node]);
         return;
     }
     const uint32_t middle = begin + (end - begin) / 2;
-    build_boxes(points, 2 * node, begin, middle);
-    build_boxes(points, 2 * node + 1, middle, end);
-    points->lo[node] = vec3_min(points->lo[2 * node], points->lo[2 * node + 1]);
-    points->hi[node] = vec3_max(points->hi[2 * node], points->hi[2 * node + 1]);
+    build_boxes(tree, 2 * node, begin, middle);
+    build_boxes(tree, 2 * node + 1, middle, end);
+    tree->lo[node] = vec3_min(tree->lo[2 * node], tree->lo[2 * node + 1]);
+    tree->hi[node] = vec3_max(tree->hi[2 * node], tree->hi[2 * node + 1]);
 }
 
-bool points_create(Points *points, const Vec3 *position, const uint32_t *vertex, uint32_t count,
-                   Error *err)
+bool point_tree_create(PointTree *tree, const Vec3 *position, const uint32_t *vertex,
+                       uint32_t count, Error *err)
 {
-    assert(points != NULL && err != NULL && (count == 0 || (position != NULL && vertex != NULL)));
+    assert(tree != NULL && err != NULL && (count == 0 || (position != NULL && vertex != NULL)));
     enum { ROUNDS = 8 };
     size_t boxes = 2;
     for (size_t n = count; n > 2 * LEAF; n -= n / 2) /* the greater half */
         boxes *= 2;
-    *points = (Points){ .position = position, .count = count };
-    points->point = array_create(count, sizeof *points->point, "points", err);
-    points->lo = array_create(boxes, sizeof *points->lo, "points", err);
-    points->hi = array_create(boxes, sizeof *points->hi, "points", err);
+    *tree = (PointTree){ .position = position, .count = count };
+    tree->point = array_create(count, sizeof *tree->point, "points", err);
+    tree->lo = array_create(boxes, sizeof *tree->lo, "points", err);
+    tree->hi = array_create(boxes, sizeof *tree->hi, "points", err);
     uint64_t *key = array_create(count, sizeof *key, "points", err);
     if (error_is_set(err)) {
-        points_clear(points);
+        point_tree_clear(tree);
     } else {
         for (uint32_t i = 0; i < count; i++)
-            points->point[i] = vertex[i];
-        morton_sort(points, 0, count, key, ROUNDS);
-        build_boxes(points, 1, 0, count);
+            tree->point[i] = vertex[i];
+        morton_sort(tree, 0, count, key, ROUNDS);
+        build_boxes(tree, 1, 0, count);
     }
     array_free(key);
     return !error_is_set(err);
 }
 
-void points_clear(Points *points)
+void point_tree_clear(PointTree *tree)
 {
-    array_free(points->point);
-    array_free(points->lo);
-    array_free(points->hi);
-    *points = (Points){ 0 };
+    array_free(tree->point);
+    array_free(tree->lo);
+    array_free(tree->hi);
+    *tree = (PointTree){ 0 };
 }
 
 /* --- searching -------------------------------------------------------------------------------- */
 
 typedef struct {
-    const Points *points;
+    const PointTree *tree;
     Vec3          p, way;       /* the line from p to p + way */
     double        square;       /* of its length */
     double        reach;
@@ -128,8 +128,8 @@ static bool box_met(const Search *s, uint32_t node)
 {
     double enter = 0, leave = 1;
     for (int k = 0; k < 3; k++) {
-        const double lo = vec3_axis(s->points->lo[node], k) - s->reach - vec3_axis(s->p, k);
-        const double hi = vec3_axis(s->points->hi[node], k) + s->reach - vec3_axis(s->p, k);
+        const double lo = vec3_axis(s->tree->lo[node], k) - s->reach - vec3_axis(s->p, k);
+        const double hi = vec3_axis(s->tree->hi[node], k) + s->reach - vec3_axis(s->p, k);
         const double way = vec3_axis(s->way, k);
         if (way == 0) {
             if (lo > 0 || hi < 0)
@@ -145,7 +145,7 @@ static bool box_met(const Search *s, uint32_t node)
 
 static bool test_point(const Search *s, uint32_t vertex)
 {
-    const Vec3 to = vec3_sub(s->points->position[vertex], s->p);
+    const Vec3 to = vec3_sub(s->tree->position[vertex], s->p);
     const double fraction = vec3_dot(to, s->way) / s->square;
     if (!(fraction > 0 && fraction < 1))
         return true;
@@ -159,7 +159,7 @@ static bool search_node(const Search *s, uint32_t node, uint32_t begin, uint32_t
         return true;
     if (end - begin <= 2 * LEAF) {
         for (uint32_t i = begin; i < end; i++)
-            if (!test_point(s, s->points->point[i]))
+            if (!test_point(s, s->tree->point[i]))
                 return false;
         return true;
     }
@@ -167,14 +167,15 @@ static bool search_node(const Search *s, uint32_t node, uint32_t begin, uint32_t
     return search_node(s, 2 * node, begin, middle) && search_node(s, 2 * node + 1, middle, end);
 }
 
-bool points_along(const Points *points, Vec3 p, Vec3 q, double reach,
-                  bool (*found)(void *context, uint32_t vertex, double fraction), void *context)
+bool point_tree_along(const PointTree *tree, Vec3 p, Vec3 q, double reach,
+                      bool (*found)(void *context, uint32_t vertex, double fraction),
+                      void *context)
 {
-    assert(points != NULL && found != NULL && reach >= 0);
-    Search s = { .points = points, .p = p, .way = vec3_sub(q, p), .reach = reach,
+    assert(tree != NULL && found != NULL && reach >= 0);
+    Search s = { .tree = tree, .p = p, .way = vec3_sub(q, p), .reach = reach,
                  .found = found, .context = context };
     s.square = vec3_dot(s.way, s.way);
-    if (points->count == 0 || !(s.square > 0))
+    if (tree->count == 0 || !(s.square > 0))
         return true;
-    return search_node(&s, 1, 0, points->count);
+    return search_node(&s, 1, 0, tree->count);
 }
