@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "app/pipeline_adapt.h"
 #include "app/trace.h"
 #include "base/array.h"
 #include "inspect/imprint.h"
@@ -290,9 +291,12 @@ bool pipeline_patches(Pipeline *pipeline, Error *err)
     if (!pipeline_sides(pipeline, err))
         return false;
     const double begin = progress_now();
-    const PatchOptions po = { .size = session->settings.patch_size,
-                              .wanted = session->settings.patches, .sides = pipeline->sides,
-                              .emitting = pipeline->emitting };
+    const Settings *settings = &session->settings;
+    const bool coarse = settings->adapt && !(settings->patch_size > 0);
+    const PatchOptions po = { .size = settings->patch_size,
+                              .wanted = coarse ? pipeline_adapt_start(settings)
+                                               : settings->patches,
+                              .sides = pipeline->sides, .emitting = pipeline->emitting };
     do {
         pipeline->patches = patches_create(pipeline->surfaces, &po, &session->monitor, err);
     } while (pipeline->patches == NULL && hurry_instead(pipeline, err));
@@ -356,6 +360,9 @@ bool pipeline_factors(Pipeline *pipeline, Error *err)
         lo.lamp_rays = lo.rays / 4;
     } while (again);
     if (pipeline->links == NULL)
+        return false;
+    if (settings->adapt && !session->hurry &&
+        !pipeline_adapt(pipeline, lo.max_bytes, &pipeline->adapt, err))
         return false;
     pipeline->factors_seconds = pipeline->links->seconds;
     links_report(pipeline->links, &pipeline->raw);

@@ -3,6 +3,7 @@
 #ifndef APP_PIPELINE_H
 #define APP_PIPELINE_H
 
+#include "app/adapt_report.h"
 #include "app/session.h"
 #include "radiosity/direct.h"
 #include "radiosity/links.h"
@@ -40,6 +41,7 @@ typedef struct Pipeline {
     Room         room;
     Links       *links;
     LinksReport  raw, report;       /* of the links as cast, and as used */
+    AdaptReport  adapt;
     double       factors_seconds;   /* casting alone, without closure */
     Direct       direct;
     double      *emission, *reflectance; /* [patches->count * ROOM_BANDS] */

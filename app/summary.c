@@ -39,6 +39,20 @@ static void put_scene(Json *json, const Pipeline *pipeline)
     json_close(json, '}');
 }
 
+static void put_adapt(Json *json, const AdaptReport *adapt)
+{
+    json_open(json, "adapt", '{');
+    json_count(json, "passes", adapt->passes);
+    json_open(json, "patches", '[');
+    for (unsigned k = 0; k <= adapt->passes; k++)
+        json_count(json, NULL, adapt->patches[k]);
+    json_close(json, ']');
+    json_numbers(json, "error", adapt->error, adapt->passes);
+    json_number(json, "seconds", adapt->seconds);
+    json_bool(json, "stopped", adapt->stopped);
+    json_close(json, '}');
+}
+
 static void put_mesh(Json *json, const Pipeline *pipeline)
 {
     const Surfaces *s = pipeline->surfaces;
@@ -55,6 +69,8 @@ static void put_mesh(Json *json, const Pipeline *pipeline)
     json_bool(json, "closed", s->closed);
     if (patches != NULL)
         json_number(json, "patch_size", patches->size);
+    if (pipeline->adapt.patches[0] > 0)
+        put_adapt(json, &pipeline->adapt);
     json_open(json, "repaired", '{');
     json_count(json, "welded", s->repairs.welded);
     json_count(json, "duplicate", s->repairs.duplicate);

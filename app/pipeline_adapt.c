@@ -1,0 +1,264 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Solve roughly, divide the patches that are worst off, cast their parts, again. */
+#include "app/pipeline_adapt.h"
+
+#include <assert.h>
+#include <math.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "radiosity/adapt.h"
+
+/* Patches wanted for one at the beginning, and for one before a pass, at most: each pass divides a
+ * fifth of the patches or so, the more passes the finer the choice. */
+static const double START_SHARE = 1.0 / 8, PASS_GROWTH = 1.7;
+
+/* In between, light need not be known better than this, in power: far below what patches that large
+ * leave out. */
+static const double ROUGH_TOLERANCE = 1e-3;
+
+/* Neighbours of divided patches may have to be divided too: how many is found by trying. */
+enum { SPLIT_TRIES = 4 };
+static const double COUNT_TOLERANCE = 0.05;
+
+/* Shortest edge, of the greatest one, when none is given. */
+static const double LEAST_SHARE = 1.0 / 16;
+
+typedef struct {
+    Pipeline    *pipeline;
+    AdaptReport *report;
+    Monitor      monitor;    /* progress over all passes */
+    double       begin, end; /* share of all work of the pass under way */
+    uint64_t     max_bytes;
+    uint32_t     wanted;
+    double       least_size;
+} Adaption;
+
+/* What one pass works with; freed after it. */
+typedef struct {
+    Links        *closed;
+    Direct        direct;
+    double       *emission, *reflectance;
+    Solution     *solution;
+    double       *error;     /* [patches] */
+    uint8_t      *split;     /* [patches] */
+} Pass;
+
+uint32_t pipeline_adapt_start(const Settings *settings)
+{
+    const double start = ceil(START_SHARE * settings->patches);
+    return start > 1 ? (uint32_t)start : 1;
+}
+
+static void pass_progress(void *user, const Progress *progress)
+{
+    const Adaption *a = user;
+    Progress all = *progress;
+    all.done = a->begin + (a->end - a->begin) * progress->done;
+    monitor_progress(&a->pipeline->session->monitor, &all);
+}
+
+static bool pass_stop(void *user)
+{
+    const Adaption *a = user;
+    return monitor_stop(&a->pipeline->session->monitor);
+}
+
+/* Where a stop came in the middle of a pass, what was there before it is what there is. */
+static bool stopped(Adaption *a, Error *err)
+{
+    Session *session = a->pipeline->session;
+    if (err->code != ERROR_STOPPED)
+        return false;
+    *err = (Error){ 0 };
+    session->hurry = true;
+    a->report->stopped = true;
+    monitor_warn(&session->monitor, "hurried", session->options.scene, "%s: finishing roughly",
+                 session_stop_reason());
+    return true;
+}
+
+/* --- light in between ------------------------------------------------------------------------- */
+
+static void pass_clear(Pass *pass)
+{
+    links_destroy(pass->closed);
+    array_free(pass->direct.irradiance);
+    array_free(pass->emission);
+    array_free(pass->reflectance);
+    solution_destroy(pass->solution);
+    array_free(pass->error);
+    array_free(pass->split);
+}
+
+static bool set_problem(const Room *room, Pass *pass, Error *err)
+{
+    const uint32_t count = room->patches->count;
+    const size_t n = (size_t)count * ROOM_BANDS;
+    pass->emission = array_create(n, sizeof *pass->emission, "emission", err);
+    pass->reflectance = array_create(n, sizeof *pass->reflectance, "reflectance", err);
+    for (uint32_t i = 0; i < count && !error_is_set(err); i++) {
+        const Rgb e = room_emission(room, i);
+        const Rgb rho = room->materials[room->patches->material[i]].reflectance;
+        memcpy(pass->emission + (size_t)ROOM_BANDS * i, (double[]){ e.r, e.g, e.b },
+               sizeof(double[ROOM_BANDS]));
+        memcpy(pass->reflectance + (size_t)ROOM_BANDS * i, (double[]){ rho.r, rho.g, rho.b },
+               sizeof(double[ROOM_BANDS]));
+    }
+    return !error_is_set(err);
+}
+
+static bool light_roughly(Adaption *a, Pass *pass, Error *err)
+{
+    Pipeline *pipeline = a->pipeline;
+    const Settings *settings = &pipeline->session->settings;
+    const Monitor quiet = { .user = a, .stop = pass_stop };
+    const DirectOptions direct = { .seed = settings->seed, .threads = settings->threads };
+    const SolveOptions so = { .tolerance = ROUGH_TOLERANCE, .threads = settings->threads };
+    pass->closed = links_close(pipeline->links, CLOSURE_ROWS, settings->threads, &quiet, err);
+    if (pass->closed == NULL || !set_problem(&pipeline->room, pass, err) ||
+        !direct_create(&pipeline->room, pass->closed, &direct, &pass->direct, &quiet, err))
+        return false;
+    const SolveProblem problem = { .bands = ROOM_BANDS, .emission = pass->emission,
+                                   .reflectance = pass->reflectance,
+                                   .received = pass->direct.irradiance };
+    pass->solution = solve(pass->closed, &problem, &so, &quiet, err);
+    return pass->solution != NULL;
+}
+
+/* Errors of all patches, and what they come to in all. */
+static bool find_errors(Adaption *a, Pass *pass, double *relative, Error *err)
+{
+    const Pipeline *pipeline = a->pipeline;
+    const Settings *settings = &pipeline->session->settings;
+    const Patches *patches = pipeline->patches;
+    const Monitor quiet = { .user = a, .stop = pass_stop };
+    const AdaptOptions options = { .least_size = a->least_size, .row_rays = settings->rays,
+                                   .seed = settings->seed, .threads = settings->threads };
+    pass->error = array_create(patches->count, sizeof *pass->error, "errors", err);
+    pass->split = array_create(patches->count, sizeof *pass->split, "errors", err);
+    if (pass->error == NULL || pass->split == NULL ||
+        !adapt_errors(&pipeline->room, pass->closed, pass->solution->irradiance, &options,
+                      pass->error, &quiet, err))
+        return false;
+    double squares = 0, light = 0, area = 0;
+    for (uint32_t i = 0; i < patches->count; i++) {
+        const double *h = &pass->solution->irradiance[(size_t)i * ROOM_BANDS];
+        squares += pass->error[i] * pass->error[i] * patches->area[i];
+        light += rgb_luminance(rgb(h[0], h[1], h[2])) * pass->closed->area[i];
+        area += pass->closed->area[i];
+    }
+    *relative = light > 0 ? sqrt(squares * area) / light : 0;
+    return true;
+}
+
+/* --- dividing --------------------------------------------------------------------------------- */
+
+/* Divides the worst patches so that about `goal` result. *finer is NULL when nothing is worth it. */
+static bool divide(Adaption *a, Pass *pass, uint32_t goal, Patches **finer, uint32_t **parent,
+                   Error *err)
+{
+    const Pipeline *pipeline = a->pipeline;
+    const double count = pipeline->patches->count, more = goal - count;
+    double aim = more;
+    *finer = NULL;
+    *parent = NULL;
+    for (int k = 0; k < SPLIT_TRIES; k++) {
+        uint32_t chosen = 0;
+        if (!adapt_choose(&pipeline->room, pass->error, (uint32_t)(count + aim), pass->split,
+                          &chosen, err))
+            return false;
+        if (chosen == 0)
+            return true;
+        *finer = patches_destroy(*finer);
+        *parent = array_free(*parent);
+        *finer = patches_split(pipeline->patches, pipeline->surfaces, pass->split, parent, err);
+        if (*finer == NULL)
+            return false;
+        const double got = (*finer)->count - count;
+        if (!(got > 0) || fabs(got - more) <= COUNT_TOLERANCE * goal)
+            return true;
+        aim *= more / got;
+    }
+    return true;
+}
+
+/* Takes the finer patches with the rows of their parts in place of the coarser ones. */
+static bool take(Adaption *a, Patches *finer, const uint32_t *parent, Error *err)
+{
+    Pipeline *pipeline = a->pipeline;
+    const Settings *settings = &pipeline->session->settings;
+    const LinksOptions lo = { .rays = settings->rays, .lamp_rays = settings->lamp_rays,
+                              .seed = settings->seed, .threads = settings->threads,
+                              .max_bytes = a->max_bytes };
+    Room room = pipeline->room;
+    room.patches = finer;
+    Links *links = links_refine(pipeline->links, &room, parent, &lo, &a->monitor, err);
+    if (links == NULL) {
+        patches_destroy(finer);
+        return false;
+    }
+    links_destroy(pipeline->links);
+    patches_destroy(pipeline->patches);
+    pipeline->links = links;
+    pipeline->patches = finer;
+    pipeline->room = room;
+    return true;
+}
+
+/* One pass; *more is false when there is nothing left to divide. */
+static bool run_pass(Adaption *a, uint32_t goal, bool *more, Error *err)
+{
+    AdaptReport *report = a->report;
+    Pass pass = { 0 };
+    Patches *finer = NULL;
+    uint32_t *parent = NULL;
+    const double begin = progress_now();
+    bool done = light_roughly(a, &pass, err) &&
+                find_errors(a, &pass, &report->error[report->passes], err) &&
+                divide(a, &pass, goal, &finer, &parent, err);
+    report->seconds += progress_now() - begin;
+    *more = done && finer != NULL && finer->count > a->pipeline->patches->count;
+    pass_clear(&pass);
+    if (*more)
+        done = take(a, finer, parent, err);
+    else
+        patches_destroy(finer);
+    array_free(parent);
+    if (done && *more)
+        report->patches[++report->passes] = a->pipeline->patches->count;
+    return done;
+}
+
+bool pipeline_adapt(Pipeline *pipeline, uint64_t max_bytes, AdaptReport *report, Error *err)
+{
+    assert(pipeline->links != NULL && pipeline->patches != NULL);
+    const Settings *settings = &pipeline->session->settings;
+    const uint32_t start = pipeline->patches->count;
+    Adaption a = { .pipeline = pipeline, .report = report, .max_bytes = max_bytes,
+                   .least_size = settings->least_size, .wanted = settings->patches };
+    a.monitor = pipeline->session->monitor;
+    a.monitor.user = &a;
+    a.monitor.progress = pass_progress;
+    a.monitor.stop = pass_stop;
+    a.monitor.warn = NULL;
+    *report = (AdaptReport){ .patches = { start } };
+    if (a.wanted == 0)
+        a.wanted = (uint32_t)(start / START_SHARE);
+    if (!(a.least_size > 0))
+        a.least_size = LEAST_SHARE * pipeline->patches->size;
+    const double growth = (double)a.wanted / start;
+    double passes = fmin(fmax(ceil(log(growth) / log(PASS_GROWTH)), 1), ADAPT_PASSES);
+    bool more = growth > 1 + COUNT_TOLERANCE;
+    for (unsigned k = 1; more && k <= passes; k++) {
+        const double goal = start * pow(growth, k / passes);
+        a.begin = pow(growth, (k - 1) / passes - 1);
+        a.end = pow(growth, k / passes - 1);
+        if (!run_pass(&a, (uint32_t)goal, &more, err)) {
+            if (!stopped(&a, err))
+                return false;
+            more = false;
+        }
+    }
+    return true;
+}

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* app/pipeline_adapt.h -- patches divided where light changes, before the factors are closed.
+ *
+ * From a coarse division on: solve roughly, estimate what the patches leave out, divide the worst,
+ * cast the rows of their parts, and again, until there are as many patches as wanted.
+ */
+#ifndef APP_PIPELINE_ADAPT_H
+#define APP_PIPELINE_ADAPT_H
+
+#include "app/pipeline.h"
+
+/* How many patches to begin with. */
+uint32_t pipeline_adapt_start(const Settings *settings);
+
+/* Takes patches and links as cast, and leaves finer ones in their place, links still as cast.
+ * max_bytes  limit for links, 0: none.
+ * A stop leaves what was reached, and the session in a hurry. */
+bool pipeline_adapt(Pipeline *pipeline, uint64_t max_bytes, AdaptReport *report, Error *err);
+
+#endif
