@@ -9,8 +9,9 @@
 #include "radiosity/vertex_fit.h"
 
 /* How far a vertex at a rim may leave the range of the patches' values, as a share of that range:
- * what a linear function does at the rim of a grid. */
-static const double RIM_RANGE = 0.5;
+ * what a linear function does is up to 1/2 at the rim of a grid, 2/3 at the tip of a triangle, more
+ * beside finer patches. */
+static const double RIM_RANGE = 1;
 
 typedef struct {
     VertexFit     fit;

@@ -13,14 +13,28 @@
 #include "render/specular.h"
 #include "render/wave.h"
 
-/* Mean edge of a surface's patches. */
-static double cell_of(const Patches *patches, const Surfaces *surfaces, uint32_t i)
+/* Extents of patches, and the largest on each side of a surface. */
+static bool fill_extents(Gatherer *g, Error *err)
 {
-    const Surface *surface = &surfaces->surface[i];
-    const double   nu = patches->nu[i], nv = patches->nv[i];
-    /* A triangle's n x n congruent parts pair up to parallelograms of twice the area. */
-    const double   area = surface->kind == SURFACE_TRIANGLE ? 2 * surface->area : surface->area;
-    return nu > 0 && nv > 0 ? sqrt(area / (nu * nv)) : 0;
+    const Room    *room = g->room;
+    const Patches *patches = room->patches;
+    g->extent = array_create(patches->count, sizeof *g->extent, "gather", err);
+    for (unsigned side = 0; side < 2; side++)
+        g->widest[side] = array_create(room->surfaces->count, sizeof(float), "gather", err);
+    if (error_is_set(err))
+        return false;
+    for (uint32_t i = 0; i < patches->count; i++) {
+        const float    extent = (float)patches_extent(patches, room->surfaces, i);
+        const unsigned side = patches->side[i];
+        g->extent[i] = extent;
+        if (patches->first_piece[i] == patches->first_piece[i + 1]) {
+            float *widest = &g->widest[side][patches->surface[i]];
+            *widest = fmaxf(*widest, extent);
+        }
+        for (uint32_t k = patches->first_piece[i]; k < patches->first_piece[i + 1]; k++)
+            g->widest[side][patches->piece[k]] = extent;
+    }
+    return true;
 }
 
 /* Reflected radiosity B - E, taken to the vertices. */
@@ -81,13 +95,10 @@ Gatherer *gatherer_create(const Room *room, const Solution *solution, const Link
     if (g == NULL)
         return NULL;
     g->room = room;
-    g->cell = array_create(room->surfaces->count, sizeof *g->cell, "gather", err);
-    if (g->cell == NULL || !fill_vertices(g, solution, links, err) ||
+    if (!fill_extents(g, err) || !fill_vertices(g, solution, links, err) ||
         !fill_normals(g, err) || !lamps_init(&g->lamps, room, err))
         return gatherer_destroy(g);
     g->clear = clear_exists(room);
-    for (uint32_t i = 0; i < room->surfaces->count; i++)
-        g->cell[i] = cell_of(room->patches, room->surfaces, i);
     return g;
 }
 
@@ -97,7 +108,9 @@ Gatherer *gatherer_destroy(Gatherer *g)
         return NULL;
     lamps_clear(&g->lamps);
     array_free(g->vertex);
-    array_free(g->cell);
+    array_free(g->extent);
+    array_free(g->widest[0]);
+    array_free(g->widest[1]);
     array_free(g->normal);
     array_free(g->smooth);
     return array_free(g);

@@ -162,8 +162,14 @@ Rgb wave_radiosity(const Gatherer *gatherer, const WaveEnd *end)
 
 double wave_nearness(const Gatherer *gatherer, const WaveEnd *end, const Hit *hit)
 {
-    const double x = 2 - hit->t / gatherer->cell[end->surface];
-    return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
+    /* Most rays end too far off for any patch of the surface: which one it is, is not asked. */
+    if (!(hit->t < 2 * gatherer->widest[end->side][end->surface]))
+        return 0;
+    const Room    *room = gatherer->room;
+    const uint32_t patch = patches_at(room->patches, room->surfaces, end->surface, end->side,
+                                      end->s, end->t);
+    const float    x = 2 - hit->t / gatherer->extent[patch];
+    return x <= 0 ? 0 : x >= 1 ? 1 : (double)(x * x * (3 - 2 * x));
 }
 
 /* The cosine map of math/sampling.h once more in float, which is all a ray keeps of it, and without

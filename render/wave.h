@@ -33,7 +33,8 @@ struct Gatherer {
     float      *vertex;  /* [3 * patches->vertex_count]  reflected radiosity */
     float      *normal;  /* [3 * surfaces->triangle_count]  unit, to the front */
     float      *smooth;  /* [9 * triangle_count]  as in normals.h; NULL: nothing is specular */
-    double     *cell;    /* [surfaces->count]  edge of the surface's patches */
+    float      *extent;  /* [patches->count]  edge of a patch */
+    float      *widest[2]; /* [surfaces->count]  largest of those of a side; 0: not in use */
     Lamps       lamps;
     bool        clear;   /* some material lets light through */
 };
@@ -98,8 +99,8 @@ typedef struct {
 } WaveEnd;
 WaveEnd wave_end(const Gatherer *gatherer, const Ray *ray, const Hit *hit);
 
-/* Chance that light is received once more where a hemisphere ray ended: 1 within the edge of a
- * patch, 0 beyond two, and between them without a kink. */
+/* Chance that light is received once more where a hemisphere ray ended: 1 within the edge of the
+ * patch there, 0 beyond two, and between them without a kink; 0 on sides that take no part. */
 double wave_nearness(const Gatherer *gatherer, const WaveEnd *end, const Hit *hit);
 
 /* Reflected radiosity of the solution there; 0 on sides that take no part. */
