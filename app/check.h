@@ -47,8 +47,16 @@ void check_units(const Pipeline *pipeline, UnitGuess *units);
 /* The group that a face of the file belongs to; curved faces are counted after polygons. */
 const char *check_group(const Polygons *soup, uint32_t face);
 
-/* check_print.c: the report for people, on standard output unless the JSON goes there. */
+/* check_print.c: the report for people, on standard output unless JSON or mesh go there. */
 void check_print(const Check *check);
+void check_say(const Check *check, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static inline const char *check_plural(uint64_t count) { return count == 1 ? "" : "s"; }
+
+/* check_places.c: its parts that name places. */
+void check_say_rims(const Check *check);
+void check_say_places(const Check *check, DefectKind kind);
+void check_say_materials(const Check *check);
+
 /* check_json.c: the keys of `check`, into an open object. */
 void check_json(Json *json, const Check *check);
 

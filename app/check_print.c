@@ -26,9 +26,7 @@ static FILE *report_stream(const Session *session)
     return session->options.progress == PROGRESS_NONE ? NULL : stderr;
 }
 
-static void say(const Check *check, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-static void say(const Check *check, const char *format, ...)
+void check_say(const Check *check, const char *format, ...)
 {
     Session *session = check->pipeline->session;
     FILE    *out = report_stream(session);
@@ -42,8 +40,6 @@ static void say(const Check *check, const char *format, ...)
     fputc('\n', out);
 }
 
-static const char *plural(uint64_t count) { return count == 1 ? "" : "s"; }
-
 /* --- what is in it ---------------------------------------------------------------------------- */
 
 static void say_scene(const Check *check)
@@ -54,19 +50,19 @@ static void say_scene(const Check *check)
     size_t emitters = 0;
     for (size_t i = 0; i < soup->material_count; i++)
         emitters += rgb_max(soup->materials[i].emission) > 0;
-    say(check, "isolux: %s", scene->file);
-    say(check, "  polygons    %zu with %zu vertices; %zu curved faces", soup->polygon_count,
-        soup->vertex_count, soup->shape_count);
-    say(check, "  groups      %zu", soup->group_count);
-    say(check, "  materials   %zu, %zu of them emit", soup->material_count, emitters);
-    say(check, "  lights      %zu", scene->light_count);
-    say(check, "  cameras     %zu", scene->camera_count);
+    check_say(check, "isolux: %s", scene->file);
+    check_say(check, "  polygons    %zu with %zu vertices; %zu curved faces", soup->polygon_count,
+              soup->vertex_count, soup->shape_count);
+    check_say(check, "  groups      %zu", soup->group_count);
+    check_say(check, "  materials   %zu, %zu of them emit", soup->material_count, emitters);
+    check_say(check, "  lights      %zu", scene->light_count);
+    check_say(check, "  cameras     %zu", scene->camera_count);
     for (size_t i = 0; i < scene->camera_count; i++)
-        say(check, "              '%s' at %.5g,%.5g,%.5g", scene->cameras[i].name,
-            scene->cameras[i].eye.x, scene->cameras[i].eye.y, scene->cameras[i].eye.z);
+        check_say(check, "              '%s' at %.5g,%.5g,%.5g", scene->cameras[i].name,
+                  scene->cameras[i].eye.x, scene->cameras[i].eye.y, scene->cameras[i].eye.z);
     if (polygons_bounds(soup, &lo, &hi))
-        say(check, "  bounds      %.5g,%.5g,%.5g to %.5g,%.5g,%.5g: %.5g x %.5g x %.5g", lo.x, lo.y,
-            lo.z, hi.x, hi.y, hi.z, hi.x - lo.x, hi.y - lo.y, hi.z - lo.z);
+        check_say(check, "  bounds      %.5g,%.5g,%.5g to %.5g,%.5g,%.5g: %.5g x %.5g x %.5g", lo.x,
+                  lo.y, lo.z, hi.x, hi.y, hi.z, hi.x - lo.x, hi.y - lo.y, hi.z - lo.z);
 }
 
 /* --- verdict ---------------------------------------------------------------------------------- */
@@ -77,14 +73,14 @@ static void say_verdict(const Check *check)
     char curved[80] = "";
     if (i->bordered > 0)
         snprintf(curved, sizeof curved, "%s%" PRIu64 " curved face%s with a border",
-                 i->rims > 0 ? ", " : "", i->bordered, plural(i->bordered));
+                 i->rims > 0 ? ", " : "", i->bordered, check_plural(i->bordered));
     if (i->rims > 0)
-        say(check, "  open: %" PRIu64 " rim%s of %" PRIu64 " open edge%s%s", i->rims,
-            plural(i->rims), i->open_edges, plural(i->open_edges), curved);
+        check_say(check, "  open: %" PRIu64 " rim%s of %" PRIu64 " open edge%s%s", i->rims,
+                  check_plural(i->rims), i->open_edges, check_plural(i->open_edges), curved);
     else if (i->bordered > 0)
-        say(check, "  open: %s", curved);
+        check_say(check, "  open: %s", curved);
     else
-        say(check, "  closed: no edge is open");
+        check_say(check, "  closed: no edge is open");
 }
 
 static void say_winding(const Check *check)
@@ -93,11 +89,11 @@ static void say_winding(const Check *check)
     const uint64_t found = d->found[DEFECT_WINDING], turned = d->repaired[DEFECT_WINDING];
     const uint64_t bent = d->found[DEFECT_UNORIENTABLE];
     if (found == 0 && bent == 0)
-        say(check, "  winding     consistent");
+        check_say(check, "  winding     consistent");
     else
-        say(check, "  winding     %" PRIu64 " face%s against their neighbours, %" PRIu64
-            " turned to agree%s", found, plural(found), turned,
-            bent > 0 ? "; somewhere no winding agrees" : "");
+        check_say(check, "  winding     %" PRIu64 " face%s against their neighbours, %" PRIu64
+                  " turned to agree%s", found, check_plural(found), turned,
+                  bent > 0 ? "; somewhere no winding agrees" : "");
 }
 
 /* Where all faces went, as a sum. */
@@ -111,12 +107,12 @@ static void say_faces(const Check *check)
             used += (size_t)snprintf(reasons + used, sizeof reasons - used, "%s%" PRIu64 " %s",
                                      used > 0 ? ", " : " (", f->left[kind],
                                      defect_name((DefectKind)kind));
-    say(check, "  faces       %" PRIu64 " = %" PRIu64 " with patches + %" PRIu64
-        " out of reach + %" PRIu64 " left out%s%s", f->input, f->patches, f->hidden,
-        check_left_out(f), reasons, used > 0 ? ")" : "");
+    check_say(check, "  faces       %" PRIu64 " = %" PRIu64 " with patches + %" PRIu64
+              " out of reach + %" PRIu64 " left out%s%s", f->input, f->patches, f->hidden,
+              check_left_out(f), reasons, used > 0 ? ")" : "");
     if (f->lost > 0)
-        say(check, "              and %" PRIu64 " LOST without a reason: please report this",
-            f->lost);
+        check_say(check, "              and %" PRIu64 " LOST without a reason: please report this",
+                  f->lost);
 }
 
 static void say_mesh(const Check *check)
@@ -128,13 +124,13 @@ static void say_mesh(const Check *check)
     say_verdict(check);
     say_winding(check);
     say_faces(check);
-    say(check, "  parts       %u, %u of them closed", i->parts, i->closed_parts);
-    say(check, "  surfaces    %u; %u vertices fell together with others", s->count,
-        s->repairs.welded);
-    say(check, "  sides used  front %u, back %u, both %u, none %u", sides->front, sides->back,
-        sides->both, sides->none);
+    check_say(check, "  parts       %u, %u of them closed", i->parts, i->closed_parts);
+    check_say(check, "  surfaces    %u; %u vertices fell together with others", s->count,
+              s->repairs.welded);
+    check_say(check, "  sides used  front %u, back %u, both %u, none %u", sides->front, sides->back,
+              sides->both, sides->none);
     if (sides->lamps_turned > 0)
-        say(check, "  turned      %u", sides->lamps_turned);
+        check_say(check, "  turned      %u", sides->lamps_turned);
 }
 
 static void say_units(const Check *check)
@@ -143,12 +139,12 @@ static void say_units(const Check *check)
     const double     unit = check->pipeline->session->options.unit_m;
     if (!u->suspicious)
         return;
-    say(check, "  units       suspicious: with units of %g m the scene is %.3g to %.3g m in size",
-        unit, u->least, u->largest);
+    check_say(check, "  units       suspicious: with units of %g m the scene's box is %.3g to %.3g m",
+              unit, u->least, u->largest);
     if (!isnan(u->eye))
-        say(check, "              and its camera %.3g m above the lowest point", u->eye);
+        check_say(check, "              and its camera %.3g m above the lowest point", u->eye);
     if (u->guess > 0)
-        say(check, "              looks like %s: --unit-m %g", u->name, u->guess);
+        check_say(check, "              looks like %s: --unit-m %g", u->name, u->guess);
 }
 
 /* --- defects ---------------------------------------------------------------------------------- */
@@ -162,107 +158,24 @@ static void say_table(const Check *check)
         if (d->found[kind] == 0)
             continue;
         if (!any)
-            say(check, "\n  %-18s %9s %9s %9s", "defect", "found", "repaired", "left");
+            check_say(check, "\n  %-18s %9s %9s %9s", "defect", "found", "repaired", "left");
         any = true;
-        say(check, "  %-18s %9" PRIu64 " %9" PRIu64 " %9" PRIu64, defect_name(kind), d->found[kind],
-            d->repaired[kind], d->found[kind] - d->repaired[kind]);
+        check_say(check, "  %-18s %9" PRIu64 " %9" PRIu64 " %9" PRIu64, defect_name(kind),
+                  d->found[kind], d->repaired[kind], d->found[kind] - d->repaired[kind]);
     }
     if (!any)
-        say(check, "\n  no defects");
+        check_say(check, "\n  no defects");
     if (check->inspection.hurried > 0)
-        say(check, "  crossings: %u triangles meet too many others; not all are counted",
-            check->inspection.hurried);
+        check_say(check, "  crossings: %u triangles meet too many others; not all are counted",
+                  check->inspection.hurried);
 }
 
-static const char *measure_word(DefectKind kind)
+static bool any_defect(const Check *check)
 {
-    switch (kind) {
-    case DEFECT_OPEN_EDGE:    return "long";
-    case DEFECT_INTERSECTION: return "deep";
-    case DEFECT_OVERLAP:      return "wide";
-    case DEFECT_INSIDE_SOLID: return "across";
-    case DEFECT_NONPLANAR:    return "off its plane";
-    default:                  return "";
-    }
-}
-
-static void name_face(const Polygons *soup, uint32_t face, char *out, size_t size)
-{
-    const bool   curved = face >= soup->polygon_count;
-    const size_t number = curved ? face - soup->polygon_count + 1 : (size_t)face + 1;
-    snprintf(out, size, "group '%.100s', %sface %zu", check_group(soup, face),
-             curved ? "curved " : "", number);
-}
-
-static void say_place(const Check *check, const Defect *d)
-{
-    const Polygons *soup = &check->pipeline->scene->polygons;
-    char first[160], other[180] = "", measure[64] = "";
-    name_face(soup, d->face, first, sizeof first);
-    if (d->other != DEFECT_NO_FACE) {
-        memcpy(other, " and ", 6);
-        name_face(soup, d->other, other + 5, sizeof other - 5);
-    }
-    if (d->measure != 0)
-        snprintf(measure, sizeof measure, " (%.3g%s%s)", d->measure,
-                 measure_word(d->kind)[0] != '\0' ? " " : "", measure_word(d->kind));
-    say(check, "    %s%s, at %.5g,%.5g,%.5g%s%s", first, other, d->at.x, d->at.y, d->at.z, measure,
-        d->repaired ? ", repaired" : "");
-}
-
-/* The first few places of each kind; of those with something left, of what is left. */
-static void say_places(const Check *check, DefectKind kind)
-{
-    const Defects *list = &check->pipeline->defects;
-    const bool     left = list->found[kind] > list->repaired[kind];
-    const uint64_t count = left ? list->found[kind] - list->repaired[kind] : list->found[kind];
-    uint64_t told = 0;
-    for (size_t i = 0; i < list->count && told < CHECK_PLACES; i++) {
-        const Defect *d = &list->item[i];
-        if (d->kind != kind || (left && d->repaired))
-            continue;
-        if (told++ == 0)
-            say(check, "  %s", defect_name(kind));
-        say_place(check, d);
-    }
-    if (count > told)
-        say(check, "    and %" PRIu64 " more", count - told);
-}
-
-static void say_rims(const Check *check)
-{
-    const Inspection *found = &check->inspection;
-    const Polygons   *soup = &check->pipeline->scene->polygons;
-    if (found->rims == 0)
-        return;
-    say(check, "  rims");
-    for (size_t i = 0; i < found->rim_count && i < CHECK_PLACES; i++) {
-        const Rim *r = &found->rim[i];
-        char       face[160];
-        name_face(soup, r->face, face, sizeof face);
-        say(check, "    %u edge%s, %.4g long, %s, %.4g,%.4g,%.4g to %.4g,%.4g,%.4g, at %s",
-            r->edges, plural(r->edges), r->length, r->flat ? "flat" : "bent", r->lo.x, r->lo.y,
-            r->lo.z, r->hi.x, r->hi.y, r->hi.z, face);
-    }
-    if (found->rims > CHECK_PLACES)
-        say(check, "    and %" PRIu64 " more", found->rims - CHECK_PLACES);
-}
-
-static void say_materials(const Check *check)
-{
-    const Session *session = check->pipeline->session;
-    if (check->faces.plain > 0)
-        say(check, "  %" PRIu64 " face%s have no material in the file; grey 0.5 is used",
-            check->faces.plain, plural(check->faces.plain));
-    if (check->missing > 0)
-        say(check, "  missing materials");
-    for (size_t i = 0, told = 0; i < session->warning_count && told < CHECK_PLACES; i++)
-        if (strcmp(session->warnings[i].code, "material-missing") == 0) {
-            say(check, "    %s: %s", session->warnings[i].where, session->warnings[i].text);
-            told++;
-        }
-    if (check->missing > CHECK_PLACES)
-        say(check, "    and %" PRIu64 " more", check->missing - CHECK_PLACES);
+    for (int k = 0; k < DEFECT_KINDS; k++)
+        if (check->pipeline->defects.found[k] > 0)
+            return true;
+    return false;
 }
 
 void check_print(const Check *check)
@@ -271,16 +184,13 @@ void check_print(const Check *check)
     say_mesh(check);
     say_units(check);
     say_table(check);
-    bool any = false;
+    if (any_defect(check))
+        check_say(check, "\nfirst places, faces counted from 1 as in the file");
     for (int k = 0; k < DEFECT_KINDS; k++)
-        any = any || check->pipeline->defects.found[k] > 0;
-    if (any)
-        say(check, "\nfirst places, faces counted from 1 as in the file");
-    for (int k = 0; k < DEFECT_KINDS; k++) {
         if (order[k] == DEFECT_OPEN_EDGE)
-            say_rims(check);
-        say_places(check, order[k]);
-    }
-    say_materials(check);
-    say(check, "  warnings    %zu", check->pipeline->session->warning_count);
+            check_say_rims(check);
+        else
+            check_say_places(check, order[k]);
+    check_say_materials(check);
+    check_say(check, "  warnings    %zu", check->pipeline->session->warning_count);
 }

@@ -18,8 +18,7 @@ static const double NEAR_ENOUGH = 10;
 static const struct {
     double      metres;
     const char *name;
-} known_units[] = { { 1, "metres" },          { 0.01, "centimetres" }, { 0.001, "millimetres" },
-                    { 0.0254, "inches" },     { 0.3048, "feet" },      { 1000, "kilometres" } };
+} known_units[] = { { 1, "metres" }, { 0.01, "centimetres" }, { 0.001, "millimetres" } };
 
 static double eye_height(const Scene *scene, Vec3 lo, Vec3 hi)
 {
