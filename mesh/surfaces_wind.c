@@ -4,7 +4,9 @@
  * Each connected part is walked through once. Where all its windings can agree, the ones that most
  * of its area has stay; where neither has a clear majority and the part is closed, it is turned
  * inside in. A part that agrees already is left as it is: rooms are modelled from inside. Plates of
- * two faces have no say, as they show a front to both sides.
+ * two faces have no say, as they show a front to both sides. A lamp in a ceiling shines to its front
+ * whichever way the ceiling is wound: where most of what emits in a part is against the rest, that
+ * is meant.
  */
 #include <assert.h>
 #include <math.h>
@@ -23,6 +25,7 @@ typedef struct {
     uint32_t count;       /* triangles, in pairing->queue */
     bool     orientable, closed;
     double   area[2];     /* wound as the first one; the other way */
+    double   emitting[2]; /* of that, what emits */
     double   volume;      /* signed, with all wound as the first */
     uint32_t at;          /* a link where windings cannot agree, or PIECE_NONE */
 } Part;
@@ -38,6 +41,14 @@ static bool is_plate(const Pairing *p, uint32_t piece)
     return p->pieces->back[piece] != PIECE_NONE;
 }
 
+/* Whether it matters for the light where its front is. */
+static bool is_lamp(const Pairing *p, uint32_t piece)
+{
+    const Polygons *soup = p->repair->soup;
+    const Material *material = &soup->materials[soup->material[p->pieces->face[piece]]];
+    return !is_plate(p, piece) && !material->emits_both && rgb_max(material->emission) > 0;
+}
+
 static void measure_piece(const Winder *w, uint32_t piece, Vec3 origin, Part *part)
 {
     const uint32_t *corner = w->pairing->pieces->corner + 3 * (size_t)piece;
@@ -49,6 +60,8 @@ static void measure_piece(const Winder *w, uint32_t piece, Vec3 origin, Part *pa
     const double area = vec3_length(vec3_cross(vec3_sub(b, a), vec3_sub(c, a))) / 2;
     if (!is_plate(w->pairing, piece))
         part->area[w->against[piece]] += area;
+    if (is_lamp(w->pairing, piece))
+        part->emitting[w->against[piece]] += area;
     part->volume += w->against[piece] ? -volume : volume;
 }
 
@@ -98,10 +111,11 @@ static bool judge_part(Winder *w, const Part *part)
     const Pairing *p = w->pairing;
     const bool repairs = part->orientable && !p->repair->options->keep_winding;
     const uint8_t kept = choose_winding(part);
+    const bool lamps_stay = part->emitting[!kept] > part->emitting[kept];
     for (uint32_t k = 0; k < part->count; k++) {
         const uint32_t i = p->queue[k];
         if (w->against[i] != kept)
-            w->fate[i] = repairs ? TURNS : DISAGREES;
+            w->fate[i] = repairs && !(lamps_stay && is_lamp(p, i)) ? TURNS : DISAGREES;
     }
     if (part->orientable)
         return true;

@@ -328,6 +328,36 @@ static void test_open_sheet(void **state)
     }
 }
 
+/* Lamps let into a sheet keep their fronts when most of them are against it; one astray does not. */
+static void test_lamps(void **state)
+{
+    (void)state;
+    for (uint32_t turned = 0; turned < 8; turned++) {
+        enum { N = 7 };
+        Case c = { 0 };
+        soup_start(&c.soup);
+        c.soup.materials[1].emission = rgb(5, 5, 5);
+        for (uint32_t i = 0; i < N; i++) {
+            const Vec3 a = { i, 0, 0 }, b = { i + 1, 0, 0 }, d = { i, 1, 0 }, e = { i + 1, 1, 0 };
+            const bool lamp = i % 2 != 0, turn = lamp && (turned >> i / 2 & 1) != 0;
+            soup_polygon(&c.soup, turn ? (Vec3[]){ a, d, e, b } : (Vec3[]){ a, b, e, d }, 4, lamp,
+                         0);
+        }
+        case_run(&c);
+        const uint32_t against = (turned & 1) + (turned >> 1 & 1) + (turned >> 2 & 1);
+        const bool stay = against >= 2;
+        assert_int_equal(c.defects.found[DEFECT_WINDING], against);
+        assert_int_equal(c.s->repairs.flipped, stay ? 0 : against);
+        for (uint32_t i = 0; i < N; i++) {
+            SurfacePoint at;
+            surfaces_point(c.s, i, 0.5, 0.5, &at);
+            const bool turn = i % 2 != 0 && (turned >> i / 2 & 1) != 0;
+            assert_true(at.normal.z == (turn && stay ? -1 : 1));
+        }
+        case_clear(&c);
+    }
+}
+
 /* A plate of two faces in a sheet of such: turned, both sides keep what they are made of. */
 static void test_plates_keep_sides(void **state)
 {
@@ -615,6 +645,7 @@ int main(void)
         cmocka_unit_test(test_many_round_a_vertex),
         cmocka_unit_test(test_cubes),
         cmocka_unit_test(test_open_sheet),
+        cmocka_unit_test(test_lamps),
         cmocka_unit_test(test_plates_keep_sides),
         cmocka_unit_test(test_solids_in_touch),
         cmocka_unit_test(test_moebius),
