@@ -142,6 +142,7 @@ bool patches_build(PatchBuilder *b)
 void patches_builder_clear(PatchBuilder *b)
 {
     edges_clear(&b->edges);
+    array_free(b->cluster);
     array_free(b->block);
     array_free(b->block_merged);
     array_free(b->merged_first);
@@ -157,15 +158,47 @@ void patches_builder_clear(PatchBuilder *b)
     array_free(b->run);
 }
 
-/* In the order of surfaces, the front first. */
-static void order_blocks(PatchBuilder *b)
+/* Gathers the clusters' pieces, each in the order of surfaces. */
+static bool gather_merged(PatchBuilder *b)
 {
+    const size_t nodes = b->cluster_count == 0 ? 0 : 2 * (size_t)b->surfaces->count;
+    uint32_t pieces = 0;
+    for (size_t node = 0; node < nodes; node++)
+        pieces += b->cluster[node] != PATCH_NONE;
+    b->merged_count = b->cluster_count;
+    b->merged_first = array_create((size_t)b->merged_count + 2, sizeof *b->merged_first,
+                                   "patches", b->err);
+    b->merged_piece = array_create(pieces, sizeof *b->merged_piece, "patches", b->err);
+    if (error_is_set(b->err))
+        return false;
+    for (size_t node = 0; node < nodes; node++)
+        if (b->cluster[node] != PATCH_NONE)
+            b->merged_first[b->cluster[node] + 2]++;
+    for (uint32_t c = 2; c < b->merged_count + 2; c++)
+        b->merged_first[c] += b->merged_first[c - 1];
+    /* Filling moves first[c + 1] from the start of c to its end, which is where c + 1 starts. */
+    for (size_t node = 0; node < nodes; node++)
+        if (b->cluster[node] != PATCH_NONE)
+            b->merged_piece[b->merged_first[b->cluster[node] + 1]++] = (uint32_t)(node / 2);
+    return true;
+}
+
+/* In the order of surfaces, the front first; a merged patch comes with its first piece. */
+static bool order_blocks(PatchBuilder *b)
+{
+    if (!gather_merged(b))
+        return false;
     for (uint32_t i = 0; i < b->surfaces->count; i++)
-        for (unsigned side = 0; side < 2; side++)
-            if (patches_side_used(b, i, side)) {
-                b->block[b->block_count] = 2 * i + side;
-                b->block_merged[b->block_count++] = PATCH_NONE;
-            }
+        for (unsigned side = 0; side < 2; side++) {
+            const uint32_t node = 2 * i + side;
+            const uint32_t merged = b->merged_count == 0 ? PATCH_NONE : b->cluster[node];
+            if (!patches_side_used(b, i, side)
+                || (merged != PATCH_NONE && b->merged_piece[b->merged_first[merged]] != i))
+                continue;
+            b->block[b->block_count] = node;
+            b->block_merged[b->block_count++] = merged;
+        }
+    return true;
 }
 
 Patches *patches_create(const Surfaces *surfaces, const PatchOptions *options,
@@ -179,10 +212,8 @@ Patches *patches_create(const Surfaces *surfaces, const PatchOptions *options,
     b.out = array_create(1, sizeof *b.out, "patches", err);
     if (b.out == NULL)
         return NULL;
-    bool ok = patches_allocate_surfaces(&b) && patches_divide(&b, options, monitor);
-    if (ok)
-        order_blocks(&b);
-    ok = ok && patches_find_edges(&b) && patches_build(&b);
+    const bool ok = patches_allocate_surfaces(&b) && patches_divide(&b, options, monitor)
+                 && order_blocks(&b) && patches_find_edges(&b) && patches_build(&b);
     patches_builder_clear(&b);
     return ok ? b.out : patches_destroy(b.out);
 }

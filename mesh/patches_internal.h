@@ -25,6 +25,8 @@ typedef struct {
     Patches        *out;
     Error          *err;
     /* order of patches */
+    uint32_t       *cluster;      /* [2 * surfaces]  as merge_small gives it; NULL: none */
+    uint32_t        cluster_count;
     uint32_t        block_count;
     uint32_t       *block;        /* [2 * surfaces]  2 * surface + side of a block's first piece */
     uint32_t       *block_merged; /* [2 * surfaces]  merged patch that it is, or PATCH_NONE */
@@ -121,7 +123,7 @@ bool patches_edge_marks(const Patches *p, const Surfaces *s, uint32_t surface, u
 
 /* --- steps ------------------------------------------------------------------------------------ */
 
-/* patches_divide.c: fills out->nu, nv, size. */
+/* patches_divide.c: fills out->nu, nv, size, and cluster. */
 bool patches_divide(PatchBuilder *b, const PatchOptions *options, const Monitor *monitor);
 
 /* patches.c: what is kept per surface; then, when nu, nv, tree, blocks and edges are known, all of

@@ -37,6 +37,14 @@ static inline unsigned face_side(const Patches *p, uint32_t face)
     return p->side[p->face_patch[face]];
 }
 
+/* Of a merged patch: the piece. */
+static inline uint32_t face_surface(const Patches *p, uint32_t face)
+{
+    const uint32_t patch = p->face_patch[face], first = p->first_piece[patch];
+    return p->first_piece[patch + 1] > first ? p->piece[first + (face - p->face_of[patch])]
+                                             : p->surface[patch];
+}
+
 /* Every directed edge of one side's faces is there once, and once in the other direction. Returns
  * how many. */
 static inline size_t check_closed(const Patches *p, unsigned side)
@@ -90,6 +98,78 @@ static inline int euler(const Patches *p, unsigned side)
 {
     const size_t edges = check_closed(p, side) / 2;
     return (int)(count_points(p, side) + count_faces(p, side)) - (int)edges;
+}
+
+/* --- interpolation ---------------------------------------------------------------------------- */
+
+/* (s, t) of a place on the outline of a face's cell: corner k and a fraction of the way on. */
+static inline void outline_place(const Mesh *m, uint32_t face, double along, double *s, double *t)
+{
+    const Patches *p = m->patches;
+    const uint32_t patch = p->face_patch[face], surface = face_surface(p, face);
+    const PatchCell cell = p->cell[patch];
+    static const double corner[3][4][2] = {
+        { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } },
+        { { 0, 0 }, { 1, 0 }, { 0, 1 }, { 0, 0 } },
+        { { 1, 1 }, { 0, 1 }, { 1, 0 }, { 0, 0 } },
+    };
+    const bool triangle = m->surfaces->surface[surface].kind == SURFACE_TRIANGLE;
+    const int n = triangle ? 3 : 4, k = (int)along % n;
+    const double(*c)[2] = corner[triangle ? 1 + cell.upper : 0];
+    const double f = along - floor(along);
+    const double scale = pow(2, cell.level);
+    *s = (cell.i + c[k][0] + f * (c[(k + 1) % n][0] - c[k][0])) / (scale * p->nu[surface]);
+    *t = (cell.j + c[k][1] + f * (c[(k + 1) % n][1] - c[k][1])) / (scale * p->nv[surface]);
+}
+
+static inline double interpolated(const Mesh *m, uint32_t surface, unsigned side, double s, double t,
+                           const double *value)
+{
+    uint32_t vertex[PATCH_WEIGHTS];
+    double weight[PATCH_WEIGHTS], sum = 0, all = 0;
+    const int n = patches_interpolate(m->patches, m->surfaces, surface, side, s, t, vertex, weight);
+    assert_true(n >= 3 && n <= PATCH_WEIGHTS);
+    for (int j = 0; j < n; j++) {
+        sum += weight[j];
+        all += weight[j] * value[vertex[j]];
+    }
+    assert_true(fabs(sum - 1) < 1e-13);
+    return all;
+}
+
+/* Along every face's outline, from vertex to vertex, values run linearly: so cells of whatever size
+ * and surface that share the vertices agree there. Vertices have random values in [0, 1]. */
+static inline void check_outlines(const Mesh *m)
+{
+    const Patches *p = m->patches;
+    uint32_t seed = 17;
+    double *value = calloc(p->vertex_count, sizeof *value);
+    assert_non_null(value);
+    for (uint32_t v = 0; v < p->vertex_count; v++)
+        value[v] = next_random(&seed) / (double)(1 << 24);
+    for (uint32_t face = 0; face < p->face_count; face++) {
+        const uint32_t patch = p->face_patch[face], surface = face_surface(p, face);
+        const bool triangle = m->surfaces->surface[surface].kind == SURFACE_TRIANGLE;
+        for (uint32_t k = p->first_corner[face]; k < p->first_corner[face + 1]; k++) {
+            const uint32_t next = next_corner(p, face, k);
+            double from = p->corner_along[k], to = p->corner_along[next];
+            /* Backs run the other way round. */
+            if (p->side[patch] == 0)
+                to = to == 0 ? (triangle ? 3 : 4) : to;
+            else
+                from = from == 0 ? (triangle ? 3 : 4) : from;
+            for (int g = 0; g <= 3; g++) {
+                double s, t;
+                outline_place(m, face, from + g / 3.0 * (to - from), &s, &t);
+                const double expected = (1 - g / 3.0) * value[p->corner[k]]
+                                      + g / 3.0 * value[p->corner[next]];
+                /* (s, t) is off by some 2^-52, magnified by the cells' number. */
+                assert_true(fabs(interpolated(m, surface, p->side[patch], s, t, value) - expected)
+                            < 1e-11);
+            }
+        }
+    }
+    free(value);
 }
 
 /* --- splitting -------------------------------------------------------------------------------- */
