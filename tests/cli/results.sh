@@ -95,6 +95,21 @@ ok "mean luminance known" grep -q '"mean": 0.06701' "$DIR/out"
 ok "compare pictures of two sizes" fails 3 'not the same picture' \
     compare tests/data/references/cornell-classic.exr "$DIR/1.exr"
 
+ok "compare a solution with itself" exits 0 compare "$DIR/1.ply" "$DIR/2.ply" --json "$DIR/same.json"
+ok "all points found, no error" awk -v m="$(value "$DIR/same.json" matched)" \
+    -v e="$(value "$DIR/same.json" error)" 'BEGIN { exit !(m == 1 && e < 1e-12) }'
+ok "solve on another division" exits 0 solve "$cube" -o "$DIR/fine.ply" --patches 2000 --rays 64 \
+    --progress none
+ok "compare divisions" exits 0 compare "$DIR/fine.ply" "$DIR/1.ply" --json "$DIR/far.json"
+ok "found nearly everywhere, near" awk -v m="$(value "$DIR/far.json" matched)" \
+    -v e="$(value "$DIR/far.json" error)" 'BEGIN { exit !(m > 0.999 && e > 0 && e < 0.2) }'
+ok "patches' own values" exits 0 compare "$DIR/fine.ply" "$DIR/1.ply" --constant --samples 5000
+ok "compare a picture with a solution" fails 2 'one of each' compare "$DIR/1.exr" "$DIR/1.ply"
+head -c 3000 "$DIR/1.ply" >"$DIR/cut.ply"
+ok "compare with half a file" fails 3 'cut.ply' compare "$DIR/1.ply" "$DIR/cut.ply"
+printf 'ply\nformat ascii 1.0\n' >"$DIR/other.ply"
+ok "compare with somebody's PLY" fails 3 'not a solved mesh' compare "$DIR/1.ply" "$DIR/other.ply"
+
 # Two unit squares face to face, 1 apart, and a square of half their side over a corner, midway,
 # that faces one of them: its back only hides. F(low, high) = 0.14987, F(high, plate) = 0.10381 by visible polygons
 # clipped and integrated adaptively; 7e5 rays a group leave a standard error of 5e-4 at most.
