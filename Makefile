@@ -37,11 +37,11 @@ $(error config is one of debug release sanitize coverage scalar)
 endif
 
 # Headers of outside libraries are not ours to warn about. OpenEXR's own C header has a folder.
-DEP_PACKAGES := OpenEXR libpng jansson libxxhash assimp
+DEP_PACKAGES := OpenEXR libpng jansson libzip libxxhash assimp
 DEP_FOLDERS  := $(patsubst -I%,%,$(shell pkg-config --cflags-only-I $(DEP_PACKAGES) 2>/dev/null))
 SYSTEM_INCLUDES := $(addprefix -isystem ,$(filter-out /usr/include,$(sort $(DEP_FOLDERS) \
                      /usr/include/OpenEXR /usr/include/Imath)))
-LIBS := -lOpenMeshCore -lassimp -lOpenEXRCore -lpng -ljansson -lxxhash -lstdc++ -lm
+LIBS := -lOpenMeshCore -lassimp -lOpenEXRCore -lpng -ljansson -lzip -lxxhash -lstdc++ -lm
 
 ALL_CFLAGS    = -std=c17 $(OPT) $(COMMON) $(CWARNINGS) $(CFLAGS)
 ALL_CXXFLAGS  = -std=c++17 $(OPT) $(COMMON) $(WARNINGS) $(CXXFLAGS)

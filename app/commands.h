@@ -26,10 +26,4 @@ void view_size(Pipeline *pipeline);
 /* The solved mesh as PLY. `path` "-": standard output. */
 bool ply_write(Pipeline *pipeline, const char *path, Error *err);
 
-/* Factors between groups or materials, as one CSV. */
-bool factors_write_csv(const Pipeline *pipeline, FactorsBy by, const char *path, Error *err);
-/* Factors between patches: Matrix Market and a CSV that says what the patches are. */
-bool factors_write_patches(const Pipeline *pipeline, const char *matrix, const char *table,
-                           Error *err);
-
 #endif

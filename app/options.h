@@ -31,6 +31,7 @@ typedef enum {
 typedef enum { QUALITY_DRAFT, QUALITY_MEDIUM, QUALITY_HIGH, QUALITY_FINAL } QualityLevel;
 typedef enum { PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_JSON, PROGRESS_NONE } ProgressStyle;
 typedef enum { BY_GROUP, BY_MATERIAL, BY_PATCH } FactorsBy;
+typedef enum { EXCHANGE_NONE, EXCHANGE_GEBHART, EXCHANGE_HOTTEL, EXCHANGE_FLUX } ExchangeTable;
 typedef enum { UNITS_PHOTOMETRIC, UNITS_RADIOMETRIC } Units;
 typedef enum { USE_AUTO, USE_FRONT, USE_BOTH } UseSides;
 /* The order of the words of --repair. */
@@ -78,6 +79,10 @@ typedef enum {
     OPTION_FOV,
     OPTION_DIFFUSE,
     OPTION_BY,
+    OPTION_EXCHANGE,
+    OPTION_EMISSIVITY,
+    OPTION_TEMPERATURE,
+    OPTION_SURROUNDINGS,
     OPTION_POINTS,
     OPTION_LIGHT,
     OPTION_EMIT,
@@ -97,15 +102,15 @@ typedef struct Options {
     const char *scene;       /* NULL: none given; compare: the reference */
     const char *other;       /* compare: the picture */
     uint64_t    given;       /* bit OptionId: it was on the command line */
-    const char *output, *json, *camera, *points, *filter, *trace;
-    int         quality, progress, closure, solver, by, emit, sides, units, light;
+    const char *output, *json, *camera, *points, *filter, *trace, *emissivity, *temperature;
+    int         quality, progress, closure, solver, by, exchange, emit, sides, units, light;
     bool        print_config, diffuse, help, adapt, no_adapt, constant;
     uint32_t    repair;      /* bit RepairBit: do it */
     uint32_t    samples;     /* compare: points of a solution; 0: not given */
     uint32_t    threads, seed, patches, rays, lamp_rays, max_iterations, spp, gather_rays;
     uint64_t    max_memory;  /* bytes */
     double      time_limit;  /* seconds */
-    double      patch_size, least_size, weld, tolerance, fov, unit_m, lamp;
+    double      patch_size, least_size, weld, surroundings, tolerance, fov, unit_m, lamp;
     double      exposure;    /* EV; meaningful only when exposure_set */
     bool        exposure_set;
     int         size[2];     /* width, height */

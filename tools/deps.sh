@@ -7,12 +7,13 @@
 set -u
 
 packages='gcc g++ make pkg-config libopenmesh-dev libassimp-dev libopenexr-dev libpng-dev libstb-dev
-libjansson-dev libxxhash-dev librandom123-dev libcmocka-dev universal-ctags'
+libjansson-dev libzip-dev libxxhash-dev librandom123-dev libcmocka-dev universal-ctags'
 
 # header  package
 headers='assimp/cimport.h libassimp-dev
 openexr.h libopenexr-dev
 png.h libpng-dev
+zip.h libzip-dev
 stb/stb_image.h libstb-dev
 jansson.h libjansson-dev
 xxhash.h libxxhash-dev

@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Sums of A F between groups or materials, as factors. */
+#include "app/classes.h"
+
+#include <assert.h>
+
+#include "base/array.h"
+
+typedef struct {
+    uint32_t        all;      /* groups or materials of the scene */
+    const uint32_t *class_of; /* [patches] */
+    uint32_t       *row;      /* [all]  row of the matrix, PATCH_NONE: none */
+} Sums;
+
+static const char *class_name(const Pipeline *pipeline, FactorsBy by, uint32_t i)
+{
+    const Polygons *soup = &pipeline->scene->polygons;
+    return by == BY_GROUP ? soup->group_name[i] : soup->materials[i].name;
+}
+
+void classes_clear(Classes *classes)
+{
+    array_free(classes->name);
+    array_free(classes->factor);
+    array_free(classes->escape);
+    array_free(classes->area);
+    array_free(classes->emissivity);
+    *classes = (Classes){ 0 };
+}
+
+/* Rows for all classes that have a visible patch, in the scene's order. */
+static void number_rows(const Pipeline *pipeline, const Sums *sums, Classes *classes)
+{
+    const Links *links = pipeline->links;
+    for (uint32_t i = 0; i < sums->all; i++)
+        sums->row[i] = PATCH_NONE;
+    for (uint32_t i = 0; i < links->count; i++)
+        if (links->area[i] > 0)
+            sums->row[sums->class_of[i]] = 0;
+    for (uint32_t i = 0; i < sums->all; i++)
+        if (sums->row[i] == 0)
+            sums->row[i] = classes->count++;
+}
+
+static bool allocate(const Pipeline *pipeline, Classes *classes, Error *err)
+{
+    const size_t n = classes->count;
+    if (!pipeline_fits(pipeline, (uint64_t)n * n * sizeof(double), "matrix", err))
+        return false;
+    if (n > 0 && n > SIZE_MAX / n)
+        return error_set(err, ERROR_MEMORY, "a matrix of %zu rows", n);
+    classes->name = array_create(n, sizeof *classes->name, "matrix", err);
+    classes->factor = array_create(n * n, sizeof *classes->factor, "matrix", err);
+    classes->escape = array_create(n, sizeof *classes->escape, "matrix", err);
+    classes->area = array_create(n, sizeof *classes->area, "matrix", err);
+    classes->emissivity = array_create(n, sizeof *classes->emissivity, "matrix", err);
+    return !error_is_set(err);
+}
+
+static void add_links(const Pipeline *pipeline, const Sums *sums, Classes *classes)
+{
+    const Links *links = pipeline->links;
+    const Patches *patches = pipeline->patches;
+    const Material *materials = pipeline->scene->polygons.materials;
+    const size_t n = classes->count;
+    for (uint32_t i = 0; i < links->count; i++) {
+        const double area = links->area[i];
+        if (!(area > 0))
+            continue;
+        const uint32_t r = sums->row[sums->class_of[i]];
+        for (uint64_t k = links->first[i]; k < links->first[i + 1]; k++) {
+            const uint32_t c = sums->row[sums->class_of[links->source[k]]];
+            if (c != PATCH_NONE)
+                classes->factor[r * n + c] += area * links->form_factor[k];
+        }
+        classes->escape[r] += area * links->escape[i];
+        classes->area[r] += area;
+        classes->emissivity[r] +=
+            area * (1 - rgb_luminance(materials[patches->material[i]].reflectance));
+    }
+    for (size_t r = 0; r < n; r++) {
+        for (size_t c = 0; c < n; c++)
+            classes->factor[r * n + c] /= classes->area[r];
+        classes->escape[r] /= classes->area[r];
+        classes->emissivity[r] /= classes->area[r];
+        classes->open = classes->open || classes->escape[r] > 0;
+    }
+}
+
+/* Someone may look for the row. */
+static bool warn_unused(const Pipeline *pipeline, FactorsBy by, const Sums *sums, Error *err)
+{
+    const Polygons *soup = &pipeline->scene->polygons;
+    bool *used = array_create(sums->all, sizeof *used, "matrix", err);
+    if (used == NULL)
+        return false;
+    for (size_t k = 0; k < soup->polygon_count; k++)
+        used[by == BY_GROUP ? soup->group[k] : soup->material[k]] = true;
+    for (size_t k = 0; k < soup->shape_count; k++)
+        used[by == BY_GROUP ? soup->shape[k].group : soup->shape[k].material] = true;
+    for (uint32_t i = 0; i < sums->all; i++)
+        if (used[i] && sums->row[i] == PATCH_NONE)
+            monitor_warn(&pipeline->session->monitor, "unused-row", class_name(pipeline, by, i),
+                         "no side of it takes part, so the matrix has no row for it");
+    array_free(used);
+    return true;
+}
+
+bool classes_sum(const Pipeline *pipeline, FactorsBy by, Classes *classes, Error *err)
+{
+    const Polygons *soup = &pipeline->scene->polygons;
+    assert(by != BY_PATCH && pipeline->links != NULL);
+    assert(pipeline->links->count == pipeline->patches->count);
+    Sums sums = { .all = (uint32_t)(by == BY_GROUP ? soup->group_count : soup->material_count),
+                  .class_of = by == BY_GROUP ? pipeline->patches->group
+                                             : pipeline->patches->material };
+    *classes = (Classes){ 0 };
+    sums.row = array_create(sums.all, sizeof *sums.row, "matrix", err);
+    if (sums.row != NULL) {
+        number_rows(pipeline, &sums, classes);
+        if (allocate(pipeline, classes, err) && warn_unused(pipeline, by, &sums, err)) {
+            for (uint32_t i = 0; i < sums.all; i++)
+                if (sums.row[i] != PATCH_NONE)
+                    classes->name[sums.row[i]] = class_name(pipeline, by, i);
+            add_links(pipeline, &sums, classes);
+        }
+    }
+    array_free(sums.row);
+    return !error_is_set(err);
+}

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* app/factors_files.h -- form factors as files, in the forms that people read them from. */
+#ifndef APP_FACTORS_FILES_H
+#define APP_FACTORS_FILES_H
+
+#include "app/classes.h"
+
+/* factor is classes->factor, or exchange factors of the same size. */
+bool factors_write_csv(const Classes *classes, FactorsBy by, const double *factor,
+                       const char *path, Error *err);
+/* script: they are exchange factors (script-F). */
+bool factors_write_view3d(const Classes *classes, const double *factor, bool script,
+                          const char *path, Error *err);
+/* Arrays F, area, escaped, emissivity, names. */
+bool factors_write_npz(const Classes *classes, const double *factor, const char *path,
+                       Error *err);
+/* Between patches: Matrix Market and a CSV that says what the patches are. */
+bool factors_write_patches(const Pipeline *pipeline, const char *matrix, const char *table,
+                           Error *err);
+/* The same as one archive: a sparse matrix as scipy.sparse.load_npz wants it, and the patches'
+ * area, visible_area, centre, normal, group, escaped. */
+bool factors_write_patches_npz(const Pipeline *pipeline, const char *path, Error *err);
+/* Net flux per group: group, area, emissivity, temperature, flux, power. */
+bool factors_write_flux(const Classes *classes, const double *temperature, const double *flux,
+                        const char *path, Error *err);
+
+#endif

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Form factors as NumPy arrays. */
+#include "app/factors_files.h"
+
+#include <assert.h>
+
+#include "app/npz.h"
+#include "base/array.h"
+
+bool factors_write_npz(const Classes *classes, const double *factor, const char *path,
+                       Error *err)
+{
+    const size_t n = classes->count;
+    Npz *npz = npz_open(path, err);
+    if (npz == NULL)
+        return false;
+    const bool added = npz_add(npz, "F", "<f8", n, n, factor, err) &&
+                       npz_add(npz, "area", "<f8", n, 0, classes->area, err) &&
+                       npz_add(npz, "escaped", "<f8", n, 0, classes->escape, err) &&
+                       npz_add(npz, "emissivity", "<f8", n, 0, classes->emissivity, err) &&
+                       npz_add_words(npz, "names", classes->name, n, err);
+    return npz_commit(npz, err) && added; /* after a failure it writes nothing */
+}
+
+/* first[] of the links in the type that scipy takes for row pointers beside 32-bit indices. */
+static int64_t *row_pointers(const Links *links, Error *err)
+{
+    int64_t *pointer = array_create((size_t)links->count + 1, sizeof *pointer, "matrix", err);
+    for (uint32_t i = 0; pointer != NULL && i <= links->count; i++)
+        pointer[i] = (int64_t)links->first[i];
+    return pointer;
+}
+
+static bool add_patches(Npz *npz, const Pipeline *pipeline, Error *err)
+{
+    const Patches *p = pipeline->patches;
+    const Links *links = pipeline->links;
+    const size_t n = p->count;
+    _Static_assert(sizeof(Vec3) == 3 * sizeof(double), "a position is three doubles");
+    return npz_add(npz, "area", "<f8", n, 0, p->area, err) &&
+           npz_add(npz, "visible_area", "<f8", n, 0, links->area, err) &&
+           npz_add(npz, "centre", "<f8", n, 3, p->centre, err) &&
+           npz_add(npz, "normal", "<f8", n, 3, p->normal, err) &&
+           npz_add(npz, "group", "<u4", n, 0, p->group, err) &&
+           npz_add(npz, "side", "|u1", n, 0, p->side, err) &&
+           npz_add(npz, "escaped", "<f4", n, 0, links->escape, err) &&
+           npz_add_words(npz, "group_names",
+                         (const char *const *)pipeline->scene->polygons.group_name,
+                         pipeline->scene->polygons.group_count, err);
+}
+
+bool factors_write_patches_npz(const Pipeline *pipeline, const char *path, Error *err)
+{
+    const Links *links = pipeline->links;
+    const size_t nonzeros = links->first[links->count];
+    const int64_t shape[2] = { links->count, links->count };
+    Npz *npz = npz_open(path, err);
+    if (npz == NULL)
+        return false;
+    int64_t *pointer = row_pointers(links, err);
+    const bool added =
+        pointer != NULL && npz_add(npz, "data", "<f4", nonzeros, 0, links->form_factor, err) &&
+        npz_add(npz, "indices", "<i4", nonzeros, 0, links->source, err) &&
+        npz_add(npz, "indptr", "<i8", (size_t)links->count + 1, 0, pointer, err) &&
+        npz_add(npz, "shape", "<i8", 2, 0, shape, err) &&
+        npz_add(npz, "format", "|S3", SIZE_MAX, 0, "csr", err) && add_patches(npz, pipeline, err);
+    const bool good = npz_commit(npz, err) && added;
+    array_free(pointer);
+    return good;
+}
