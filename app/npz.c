@@ -163,7 +163,8 @@ static uint32_t next_letter(const char **text)
 {
     const unsigned char *t = (const unsigned char *)*text;
     const int more = t[0] >= 0xf0 ? 3 : t[0] >= 0xe0 ? 2 : t[0] >= 0xc0 ? 1 : 0;
-    uint32_t letter = more == 3 ? t[0] & 7u : more == 2 ? t[0] & 15u : more == 1 ? t[0] & 31u : t[0];
+    uint32_t letter = more == 3 ? t[0] & 7u : more == 2 ? t[0] & 15u
+                      : more == 1 ? t[0] & 31u : t[0];
     for (int k = 1; k <= more; k++) {
         if ((t[k] & 0xc0) != 0x80) {
             *text += 1;

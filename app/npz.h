@@ -13,8 +13,8 @@ typedef struct Npz Npz;
 
 /* fails  NULL; ERROR_FAILED, ERROR_MEMORY. */
 Npz *npz_open(const char *path, Error *err);
-/* An array of `rows` by `columns` (columns 0: of one dimension; rows SIZE_MAX: a single value), in C
- * order. type: NumPy's, as "<f8". The data are not copied: they must stay until npz_commit. */
+/* An array of `rows` by `columns` (columns 0: of one dimension; rows SIZE_MAX: a single value), in
+ * C order. type: NumPy's, as "<f8". The data are not copied: they must stay until npz_commit. */
 bool npz_add(Npz *npz, const char *name, const char *type, size_t rows, size_t columns,
              const void *data, Error *err);
 /* Words as an array of Unicode text, each cut to 120 letters. Copied. */

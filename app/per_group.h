@@ -7,8 +7,8 @@
 
 #include "base/error.h"
 
-/* text  a number for all; "NAME=VALUE,NAME=VALUE,..." for some; or the name of a CSV file with lines
- *       of a name and a value (a first line whose value is no number is its heading).
+/* text  a number for all; "NAME=VALUE,NAME=VALUE,..." for some; or the name of a CSV file with
+ *       lines of a name and a value (a first line whose value is no number is its heading).
  * value [count]  values of the groups that are named are replaced.
  * fails false; ERROR_USAGE for the command line, ERROR_INPUT for a file: a name that no group has,
  *       a value that is none. */
