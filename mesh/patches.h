@@ -109,9 +109,9 @@ Patches *patches_create(const Surfaces *surfaces, const PatchOptions *options,
 Patches *patches_destroy(Patches *patches);
 
 /* The same patches but for those with split[i] != 0: cells in four, merged patches in two or more
- * by place. Others are split as well where a neighbour over a smooth edge would be finer by more than
- * one level. Order is kept: parent[k], [new count], the old patch that new patch k is (part of),
- * never falls. Patches at their last level stay whole.
+ * by place. Others are split as well where a neighbour over a smooth edge would be finer by more
+ * than one level. Order is kept: parent[k], [new count], the old patch that new patch k is (part
+ * of), never falls. Patches at their last level stay whole.
  * owns   the caller frees both, *parent with array_free.
  * fails  NULL; ERROR_MEMORY; ERROR_INPUT as above. */
 Patches *patches_split(const Patches *patches, const Surfaces *surfaces, const uint8_t *split,
@@ -144,10 +144,10 @@ double patches_weight(const Patches *patches, const Surfaces *surfaces, uint32_t
 double patches_extent(const Patches *patches, const Surfaces *surfaces, uint32_t patch);
 
 /* Vertices and weights (sum 1) that interpolate vertex values at (s, t) of a surface's side;
- * returns how many, 0 for an unused side. Continuous over all smooth edges, linear between neighbouring
- * vertices along an edge, T-vertices included (a Coons patch [coons67]; without T-vertices
- * bilinear, on triangles linear); exact for linear functions on flat parallelograms and triangles.
- * Weights can be a little negative beside T-vertices. */
+ * returns how many, 0 for an unused side. Continuous over all smooth edges, linear between
+ * neighbouring vertices along an edge, T-vertices included (a Coons patch [coons67]; without
+ * T-vertices bilinear, on triangles linear); exact for linear functions on flat parallelograms and
+ * triangles. Weights can be a little negative beside T-vertices. */
 int patches_interpolate(const Patches *patches, const Surfaces *surfaces, uint32_t surface,
                         unsigned side, double s, double t, uint32_t vertex[PATCH_WEIGHTS],
                         double weight[PATCH_WEIGHTS]);

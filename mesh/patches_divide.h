@@ -31,8 +31,8 @@ static inline uint32_t divide_unmerged(const Division *d, uint32_t surface)
          - (cluster[2 * surface + 1] != PATCH_NONE);
 }
 
-/* patches_divide.c: patches that there are at a size, with the clusters that d holds. A surface with
- * a side in a cluster is not divided on the other. */
+/* patches_divide.c: patches that there are at a size, with the clusters that d holds. A surface
+ * with a side in a cluster is not divided on the other. */
 double divide_count(const Division *d, double size);
 
 /* patches_size.c: sets size and clusters from what the options ask for. */

@@ -4,8 +4,8 @@
  *
  * A use is a piece of an edge of a surface between two welded vertices, run through from corner k
  * to the next: use 4 * i + k starts at corner k of surface i; where stitches lie on the edge it
- * ends at the first, and use 4 * surfaces + j starts at stitch j. A node is one side of a use, or of the
- * vertex it starts at: 2 * use + side.
+ * ends at the first, and use 4 * surfaces + j starts at stitch j. A node is one side of a use, or
+ * of the vertex it starts at: 2 * use + side.
  *
  * Blocks are what patches are numbered by: the cells of one side of a surface, or a merged patch.
  */
@@ -200,8 +200,8 @@ bool patches_forest_divide(PatchForest *forest, uint32_t surface, unsigned side,
 
 /* patches_merge.c: neighbours with like normals and the same material, grown to about `size`
  * across. cluster [2 * surfaces->count]: number of the cluster of (surface, side), at
- * 2 * surface + side, or PATCH_NONE: to be cut on a grid. Clusters have two or more pieces and are numbered from 0 in the
- * order of their first piece; only sides in use have one. */
+ * 2 * surface + side, or PATCH_NONE: to be cut on a grid. Clusters have two or more pieces and are
+ * numbered from 0 in the order of their first piece; only sides in use have one. */
 bool merge_small(const Surfaces *surfaces, const PatchOptions *options, double size,
                  uint32_t *cluster, uint32_t *cluster_count, Error *err);
 /* Parts of one cluster's pieces, piece [count] on `side`: part[k] gets 0 .. parts - 1, parts >= 2,

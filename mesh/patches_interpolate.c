@@ -18,10 +18,12 @@ static Place place_in_quad(const Patches *p, uint32_t surface, unsigned side, do
 {
     const uint32_t nu = p->nu[surface], nv = p->nv[surface];
     const uint32_t i = patches_cell_of(s * nu, nu), j = patches_cell_of(t * nv, nv);
-    const uint32_t tree = p->tree_first[side][surface], base = j * nu + i;
+    const uint32_t base = j * nu + i;
     Place at = { .cell = base, .u = clamp_unit(s * nu - i), .v = clamp_unit(t * nv - j) };
-    if (tree != PATCH_NONE)
-        at.cell = patches_walk_quad(p->tree, p->tree[tree + base], &at.u, &at.v);
+    if (p->tree_count == 0 || p->tree_first[side][surface] == PATCH_NONE)
+        return at;
+    const uint32_t root = p->tree[p->tree_first[side][surface] + base];
+    at.cell = patches_walk_quad(p->tree, root, &at.u, &at.v);
     return at;
 }
 
@@ -31,7 +33,6 @@ static Place place_in_triangle(const Patches *p, uint32_t surface, unsigned side
     const uint32_t n = p->nu[surface];
     const double x = fmax(s * n, 0), y = fmax(t * n, 0);
     const uint32_t j = patches_cell_of(y, n), i = patches_cell_of(x, n - j);
-    const uint32_t tree = p->tree_first[side][surface];
     double u = fmin(x - i, 1), v = fmin(y - j, 1);
     const bool upper = i + j + 1 < n && u + v > 1;
     const uint32_t base = n * n - (n - j) * (n - j) + 2 * i + upper;
@@ -40,8 +41,10 @@ static Place place_in_triangle(const Patches *p, uint32_t surface, unsigned side
     u = upper ? 1 - u : u * scale;
     v = upper ? 1 - v : v * scale;
     Place at = { .cell = base, .u = u, .v = v };
-    if (tree != PATCH_NONE)
-        at.cell = patches_walk_triangle(p->tree, p->tree[tree + base], upper, &at.u, &at.v);
+    if (p->tree_count == 0 || p->tree_first[side][surface] == PATCH_NONE)
+        return at;
+    const uint32_t root = p->tree[p->tree_first[side][surface] + base];
+    at.cell = patches_walk_triangle(p->tree, root, upper, &at.u, &at.v);
     return at;
 }
 

@@ -152,6 +152,20 @@ static bool edge_points(EdgePoints *points, uint32_t e, unsigned class)
     return true;
 }
 
+/* Whether nobody wants a point on edge e, as is usual among small surfaces. */
+static bool edge_is_bare(const PatchBuilder *b, uint32_t e)
+{
+    const Patches *out = b->out;
+    for (uint32_t i = b->edges.first[e]; i < b->edges.first[e + 1]; i++) {
+        const uint32_t whole = patches_whole_use(b, b->edges.use[i]), surface = whole / 4;
+        if (patches_edge_divisions(out, surface, whole % 4) > 1
+            || out->tree_first[0][surface] != PATCH_NONE
+            || out->tree_first[1][surface] != PATCH_NONE)
+            return false;
+    }
+    return true;
+}
+
 bool patches_find_points(PatchBuilder *b)
 {
     EdgePoints points = { .b = b };
@@ -162,8 +176,8 @@ bool patches_find_points(PatchBuilder *b)
                           "edge points", b->err))
         return false;
     for (uint32_t e = 0; e < b->edges.count; e++)
-        for (unsigned class = 0; class < 2; class++) {
-            if (!edge_points(&points, e, class))
+        for (unsigned class = 0, bare = edge_is_bare(b, e); class < 2; class++) {
+            if (!bare && !edge_points(&points, e, class))
                 return false;
             b->point_first[2 * e + class + 1] = points.count;
         }

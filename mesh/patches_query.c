@@ -10,32 +10,43 @@
  * i, and at i = 2^16 a double is off by 2^-36 after the two roundings. */
 static const double CELL_MARGIN = 0x1p-32;
 
+/* The tree of a side, PATCH_NONE when nothing there is divided. */
+static inline uint32_t side_tree(const Patches *p, uint32_t surface, unsigned side)
+{
+    return p->tree_count == 0 ? PATCH_NONE : p->tree_first[side][surface];
+}
+
+static uint32_t triangle_at(const Patches *p, uint32_t surface, unsigned side, double s, double t)
+{
+    const uint32_t n = p->nu[surface], tree = side_tree(p, surface, side);
+    const double x = s * n, y = t * n;
+    const uint32_t j = patches_cell_of(y, n), i = patches_cell_of(x, n - j);
+    double u = x - i, v = y - j;
+    const uint32_t upper = i + j + 1 < n && u + v > 1;
+    const uint32_t base = n * n - (n - j) * (n - j) + 2 * i + upper;
+    if (tree == PATCH_NONE)
+        return base;
+    u = upper ? 1 - u : u;
+    v = upper ? 1 - v : v;
+    return patches_walk_triangle(p->tree, p->tree[tree + base], upper, &u, &v);
+}
+
 uint32_t patches_at(const Patches *patches, const Surfaces *surfaces, uint32_t surface,
                     unsigned side, double s, double t)
 {
     const uint32_t first = patches->first[side][surface];
     if (first == PATCH_NONE)
         return PATCH_NONE;
+    if (surfaces->surface[surface].kind == SURFACE_TRIANGLE)
+        return first + triangle_at(patches, surface, side, s, t);
     const uint32_t nu = patches->nu[surface], nv = patches->nv[surface];
-    const bool triangle = surfaces->surface[surface].kind == SURFACE_TRIANGLE;
-    const uint32_t tree = patches->tree_count == 0 ? PATCH_NONE
-                                                   : patches->tree_first[side][surface];
-    const double x = s * nu, y = t * nv;
-    const uint32_t j = patches_cell_of(y, nv), i = patches_cell_of(x, triangle ? nu - j : nu);
-    double u = x - i, v = y - j;
-    if (!triangle) {
-        const uint32_t base = j * nu + i;
-        return first + (tree == PATCH_NONE
-                            ? base : patches_walk_quad(patches->tree, patches->tree[tree + base],
-                                                       &u, &v));
-    }
-    const uint32_t upper = i + j + 1 < nu && u + v > 1;
-    const uint32_t base = nu * nu - (nu - j) * (nu - j) + 2 * i + upper;
+    const uint32_t tree = side_tree(patches, surface, side);
+    const uint32_t i = patches_cell_of(s * nu, nu), j = patches_cell_of(t * nv, nv);
+    const uint32_t base = j * nu + i;
     if (tree == PATCH_NONE)
         return first + base;
-    u = upper ? 1 - u : u;
-    v = upper ? 1 - v : v;
-    return first + patches_walk_triangle(patches->tree, patches->tree[tree + base], upper, &u, &v);
+    double u = s * nu - i, v = t * nv - j;
+    return first + patches_walk_quad(patches->tree, patches->tree[tree + base], &u, &v);
 }
 
 static double keep_inside(double a, double margin) { return fmin(fmax(a, margin), 1 - margin); }

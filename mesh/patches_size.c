@@ -109,8 +109,7 @@ static bool try_size(SizeSearch *search, double size, double *count, Error *err)
     return true;
 }
 
-/* The next size to try: numbers go like a power of the size between the two known ones, and like its
- * square beyond. */
+/* The next size to try: between two known ones numbers go like a power of the size. */
 static double next_size(const SizeSearch *search)
 {
     const double low = log(search->low), high = log(search->high);

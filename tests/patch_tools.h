@@ -122,8 +122,8 @@ static inline void outline_place(const Mesh *m, uint32_t face, double along, dou
     *t = (cell.j + c[k][1] + f * (c[(k + 1) % n][1] - c[k][1])) / (scale * p->nv[surface]);
 }
 
-static inline double interpolated(const Mesh *m, uint32_t surface, unsigned side, double s, double t,
-                           const double *value)
+static inline double interpolated(const Mesh *m, uint32_t surface, unsigned side, double s,
+                                  double t, const double *value)
 {
     uint32_t vertex[PATCH_WEIGHTS];
     double weight[PATCH_WEIGHTS], sum = 0, all = 0;
