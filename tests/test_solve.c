@@ -422,6 +422,87 @@ static void test_names(void **state)
     assert_false(solver_from_name("gauss", &solver));
 }
 
+/* --- a long tube, where light needs many reflections to get from end to end ------------------- */
+
+enum { TUBE = 120, TUBE_STEPS_MOST = 60 };
+
+/* Rings of a closed tube that see each other the less the further apart: symmetric exchange areas
+ * scaled until every row sums to the ring's area. */
+static void tube_exchange(double exchange[TUBE][TUBE], double *area)
+{
+    for (int i = 0; i < TUBE; i++) {
+        area[i] = 1 + 0.5 * (i % 3);
+        for (int j = 0; j < TUBE; j++)
+            exchange[i][j] = exp(-abs(i - j) / 3.0);
+    }
+    for (int round = 0; round < 2000; round++) {
+        double sum[TUBE];
+        for (int i = 0; i < TUBE; i++) {
+            sum[i] = 0;
+            for (int j = 0; j < TUBE; j++)
+                sum[i] += exchange[i][j];
+        }
+        for (int i = 0; i < TUBE; i++)
+            for (int j = 0; j < TUBE; j++)
+                exchange[i][j] *= sqrt(area[i] / sum[i] * area[j] / sum[j]);
+    }
+}
+
+/* Gaussian elimination of (1 - rho F) B = E, for comparison. */
+static void eliminate(double k[TUBE][TUBE], double *b)
+{
+    for (int i = 0; i < TUBE; i++)
+        for (int r = i + 1; r < TUBE; r++) {
+            const double m = k[r][i] / k[i][i];
+            for (int c = i; c < TUBE; c++)
+                k[r][c] -= m * k[i][c];
+            b[r] -= m * b[i];
+        }
+    for (int i = TUBE - 1; i >= 0; i--) {
+        for (int c = i + 1; c < TUBE; c++)
+            b[i] -= k[i][c] * b[c];
+        b[i] /= k[i][i];
+    }
+}
+
+static void test_long_dark_tube(void **state)
+{
+    (void)state;
+    static double exchange[TUBE][TUBE], k[TUBE][TUBE];
+    static uint64_t first[TUBE + 1];
+    static uint32_t source[TUBE * TUBE];
+    static float factor[TUBE * TUBE], escape[TUBE];
+    double area[TUBE], e[TUBE] = { 0 }, rho[TUBE], exact[TUBE];
+    tube_exchange(exchange, area);
+    for (int i = 0; i < TUBE; i++) {
+        e[i] = i == 0 ? 5 : 0;
+        rho[i] = i % 7 == 3 ? 0 : 0.99;
+        first[i + 1] = (uint64_t)(i + 1) * TUBE;
+        exact[i] = e[i];
+        for (int j = 0; j < TUBE; j++) {
+            source[i * TUBE + j] = (uint32_t)j;
+            factor[i * TUBE + j] = (float)(exchange[i][j] / area[i]);
+            k[i][j] = (i == j) - rho[i] * (double)factor[i * TUBE + j];
+        }
+    }
+    eliminate(k, exact);
+    const Links links = { .count = TUBE, .first = first, .source = source, .form_factor = factor,
+                          .escape = escape, .area = area };
+    const SolveProblem p = { .bands = 1, .emission = e, .reflectance = rho };
+    for (size_t s = 0; s < SOLVER_TOTAL; s++) {
+        Solution *solution = solved(&links, &p, SOLVERS[s], 1e-9);
+        assert_true(solution->converged);
+        /* A residual of 1e-9 of the power leaves an error of at most 1/(1 - rho) times that. */
+        double error = 0;
+        for (int i = 0; i < TUBE; i++)
+            error += area[i] * fabs(solution->radiosity[i] - exact[i]);
+        assert_true(error <= 100 * 1e-9 * area[0] * e[0]);
+        if (SOLVERS[s] == SOLVER_CONJUGATE_GRADIENTS || SOLVERS[s] == SOLVER_GMRES)
+            assert_in_range(solution->iterations, 1, TUBE_STEPS_MOST);
+        solution_destroy(solution);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
