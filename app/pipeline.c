@@ -123,12 +123,13 @@ static bool build_surfaces(Pipeline *pipeline, Error *err)
     Imprint imprint = { 0 };
     defects_clear(&pipeline->defects);
     /* What is wrong with a file is looked for in its faces as they are. */
-    if (check || imprint_create(soup, &io, &imprint, &session->monitor, &found))
-        pipeline->surfaces = surfaces_repair(check ? soup : &imprint.soup,
+    const bool cut = !check && imprint_create(soup, &io, &imprint, &session->monitor, &found);
+    if (cut || check || hurry_instead(pipeline, &found))
+        pipeline->surfaces = surfaces_repair(cut ? &imprint.soup : soup,
                                              &session->settings.repair,
                                              check ? &pipeline->defects : NULL,
                                              &session->monitor, &found);
-    if (!check && pipeline->surfaces != NULL)
+    if (cut && pipeline->surfaces != NULL)
         imprint_finish(&imprint, pipeline->surfaces);
     imprint_clear(&imprint);
     /* The mesh knows no file; whoever reads the message needs its name. */
