@@ -246,12 +246,15 @@ typedef struct {
     uint32_t  rays, seed;
     unsigned  threads;
     double    offset;
+    double    cell_area;  /* of a cell as wanted */
     uint64_t *first;      /* [2 * surfaces + 1]  first cell of a side */
     uint16_t *grid;       /* [surfaces]  cells along s and along t */
     Place    *cell;       /* [first[2 * surfaces]]  side SIDE_NONE: not reached there */
     uint32_t *queue;      /* [cells]  cells reached, in order; those before `shot` have shot on */
     uint64_t  reached, shot;
     uint8_t  *used;       /* [surfaces]  bit 0/1: front/back */
+    uint8_t  *shell;      /* [parts]  1: no sight passes it (shells_find) */
+    uint8_t  *entered;    /* [parts]  bit 0/1: some front/back is used */
     Place    *found;      /* [found_capacity]  what one block of rays met */
 } Reach;
 
@@ -269,6 +272,10 @@ void reach_aim(Reach *reach, Vec3 eye);
 /* Follows sight from all places reached until nothing new turns up.
  * fails  false and ERROR_STOPPED. */
 bool reach_spread(Reach *reach, Error *err);
+
+/* sides_shells.c: which parts are closed and wound alike: sight never passes from their fronts to
+ * their backs. */
+bool shells_find(const Surfaces *surfaces, uint8_t **shell, Error *err);
 
 /* Decides which sides emit; returns how many surfaces EMIT_AUTO turned. */
 bool sides_emission(const Surfaces *surfaces, const Bvh *bvh, const Material *materials,

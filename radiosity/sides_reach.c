@@ -18,13 +18,24 @@ static const uint32_t DEFAULT_RAYS = 32;
 static const double CELLS_WANTED = 16384;
 enum { GRID_MAX = 64 };
 
-/* Rays by which a place in reach looks on, and places that look on before what they met is entered:
- * a fixed number, so that the order of things does not depend on threads. */
-enum { RAYS_ON = 8, BLOCK = 4096, SIDE_CHUNK = 64 };
+/* Rays by which a place in reach looks on: in a cell of the size wanted, and in the cells of
+ * surfaces smaller than that, whose neighbours look the same way. And places that look on before
+ * what they met is entered: a fixed number, so that the order of things does not depend on
+ * threads. */
+enum { RAYS_ON = 8, RAYS_ON_LEAST = 4, BLOCK = 4096, SIDE_CHUNK = 64 };
 
-/* Rounds of looking back from the sides that are left, with half the rays each time: what the first
- * rounds miss is a few small sides behind others that the same round found. */
-enum { ROUNDS_MAX = 64, ROUND_RAYS_MIN = 4 };
+/* Rounds of looking back from the sides that are left. All take part in the first ones, which share
+ * the rays of a side: most are found with a few, and then find others. What these miss is a few
+ * small sides behind others that the same round found: after them look those that have hope, until
+ * hardly any turns up. */
+enum { ROUNDS_FULL = 3, ROUNDS_MAX = 64, ROUND_RAYS = 4, IDLE_MOST = 3 };
+static const double ROUND_SHARE[ROUNDS_FULL] = { 1.0 / 16, 3.0 / 16, 12.0 / 16 };
+
+/* A round is idle when it adds less than this share of what there is. */
+static const double IDLE_SHARE = 1e-4;
+
+/* Sides that look back before the caller hears of it. */
+enum { BACK_BLOCK = 1 << 15 };
 
 /* --- places ----------------------------------------------------------------------------------- */
 
@@ -40,8 +51,9 @@ bool reach_create(Reach *reach, const Surfaces *surfaces, const Bvh *bvh,
     reach->first = array_create(2 * count + 1, sizeof *reach->first, what, err);
     reach->grid = array_create(count, sizeof *reach->grid, what, err);
     reach->used = array_create(count, sizeof *reach->used, what, err);
+    reach->entered = array_create(surfaces->part_count, sizeof *reach->entered, what, err);
     reach->found = array_create((size_t)BLOCK * RAYS_ON, sizeof *reach->found, what, err);
-    if (error_is_set(err))
+    if (error_is_set(err) || !shells_find(surfaces, &reach->shell, err))
         return false;
     double area = 0;
     for (size_t i = 0; i < count; i++)
@@ -53,6 +65,7 @@ bool reach_create(Reach *reach, const Surfaces *surfaces, const Bvh *bvh,
         reach->first[2 * i + 1] = reach->first[2 * i] + cells;
         reach->first[2 * i + 2] = reach->first[2 * i + 1] + cells;
     }
+    reach->cell_area = area / CELLS_WANTED;
     const uint64_t cells = reach->first[2 * count];
     if (cells > UINT32_MAX)
         return error_set(err, ERROR_MEMORY, "%zu surfaces are too many", count);
@@ -72,6 +85,8 @@ void reach_clear(Reach *reach)
     array_free(reach->cell);
     array_free(reach->queue);
     array_free(reach->used);
+    array_free(reach->shell);
+    array_free(reach->entered);
     array_free(reach->found);
     *reach = (Reach){ 0 };
 }
@@ -106,6 +121,7 @@ void reach_add(Reach *reach, Place place)
     reach->cell[at] = place;
     reach->queue[reach->reached++] = (uint32_t)at;
     reach->used[place.side / 2] |= (uint8_t)(1U << (place.side & 1));
+    reach->entered[reach->surfaces->part[place.side / 2]] |= (uint8_t)(1U << (place.side & 1));
 }
 
 void reach_add_side(Reach *reach, uint32_t side)
@@ -218,6 +234,14 @@ void reach_look(Reach *reach, Vec3 eye, uint32_t rays, uint32_t seed)
         reach_add(reach, reach->found[k]);
 }
 
+static uint32_t rays_on(const Reach *reach, uint32_t side)
+{
+    const double grid = reach->grid[side / 2];
+    const double share = reach->surfaces->surface[side / 2].area / (grid * grid * reach->cell_area);
+    const double rays = ceil(RAYS_ON * share);
+    return rays >= RAYS_ON ? RAYS_ON : rays <= RAYS_ON_LEAST ? RAYS_ON_LEAST : (uint32_t)rays;
+}
+
 static void on_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
 {
     Reach *reach = context;
@@ -227,8 +251,12 @@ static void on_chunk(void *context, uint32_t begin, uint32_t end, unsigned worke
         const uint32_t seed = sampling_seed(reach->seed, cell, SEED_SIDES, 0);
         const Place from = reach->cell[cell];
         const Vec3 start = place_start(reach, from);
+        const uint32_t rays = rays_on(reach, from.side);
         for (uint32_t r = 0; r < RAYS_ON; r++) {
             float x[2];
+            reach->found[k * RAYS_ON + r].side = SIDE_NONE;
+            if (r >= rays)
+                continue;
             sampling_sobol2(r, seed, x);
             reach->found[k * RAYS_ON + r] =
                 only_new(reach, look_from(reach, from, x[0], x[1]), start);
@@ -406,14 +434,24 @@ typedef struct {
     Reach    *reach;
     Place    *seen;      /* [2 * surfaces]  a place of each side that was found to be in reach */
     uint32_t *met;       /* [2 * surfaces * MET]  other sides it saw in vain; SIDE_NONE: none */
-    uint32_t  rays, round;
+    uint32_t  before, rays;  /* rays of earlier rounds, of this one */
+    uint32_t  round, first;  /* first: side that a block begins with */
 } Back;
 
-/* After the first round only a side that saw one that has come into use since, or a part in doubt
+/* Sight has come to one side of a closed part and not to the other: it never will. */
+static bool is_shut(const Reach *reach, uint32_t side)
+{
+    const uint32_t part = reach->surfaces->part[side / 2];
+    return reach->shell[part] && reach->entered[part] == (side & 1 ? 1 : 2);
+}
+
+/* After the first rounds only a side that saw one that has come into use since, or a part in doubt
  * of one that was. */
 static bool is_worth_while(const Back *back, uint32_t side)
 {
-    bool hope = back->round == 0;
+    bool hope = back->round < ROUNDS_FULL;
+    if (is_shut(back->reach, side))
+        return false;
     for (uint32_t k = 0; k < MET; k++) {
         const uint32_t other = back->met[side * MET + k];
         hope = hope || (other != SIDE_NONE && is_used(back->reach, other));
@@ -424,11 +462,13 @@ static bool is_worth_while(const Back *back, uint32_t side)
 static void look_back(const Back *back, uint32_t side)
 {
     const Reach *reach = back->reach;
-    const uint32_t seed = sampling_seed(reach->seed, side, SEED_SIDES, 1 + back->round);
+    /* The first rounds go on with one net. */
+    const uint32_t net = back->round < ROUNDS_FULL ? 0 : back->round;
+    const uint32_t seed = sampling_seed(reach->seed, side, SEED_SIDES, 1 + net);
     uint32_t *met = &back->met[side * MET];
     for (uint32_t k = 0; k < MET; k++)
         met[k] = SIDE_NONE;
-    for (uint32_t r = 0; r < back->rays; r++) {
+    for (uint32_t r = back->before; r < back->before + back->rays; r++) {
         float x[4];
         sampling_sobol4(r, seed, x);
         const Place place = inner_place(reach, side, x[0], x[1]);
@@ -450,35 +490,71 @@ static void back_chunk(void *context, uint32_t begin, uint32_t end, unsigned wor
 {
     const Back *back = context;
     (void)worker;
-    for (uint32_t side = begin; side < end; side++) {
+    for (uint32_t side = back->first + begin; side < back->first + end; side++) {
         back->seen[side].side = SIDE_NONE;
         if (is_worth_while(back, side))
             look_back(back, side);
     }
 }
 
+static void tell(const Reach *reach, double done)
+{
+    monitor_progress(reach->monitor, &(Progress){ .stage = "mesh", .done = done,
+                                                  .energy_left = -1 });
+}
+
+/* One round of looking back; sides found take part from its end on. */
+static bool round_back(Back *back)
+{
+    Reach *reach = back->reach;
+    const uint32_t sides = 2 * reach->surfaces->count;
+    for (back->first = 0; back->first < sides; back->first += BACK_BLOCK) {
+        const uint32_t left = sides - back->first;
+        /* Nearly all the work is in the first rounds. */
+        const double share = (double)back->first / sides;
+        if (back->round < ROUNDS_FULL)
+            tell(reach, (back->round + share) / ROUNDS_FULL);
+        if (!parallel_for(left < BACK_BLOCK ? left : BACK_BLOCK, SIDE_CHUNK, reach->threads,
+                          back_chunk, back, reach->monitor, NULL))
+            return false;
+    }
+    for (uint32_t k = 0; k < sides; k++)
+        reach_add(reach, back->seen[k]);
+    return true;
+}
+
+/* Rays of the round to come. */
+static void begin_round(Back *back)
+{
+    const uint32_t all = back->reach->rays;
+    back->before = back->round > 0 && back->round < ROUNDS_FULL ? back->before + back->rays : 0;
+    back->rays = ROUND_RAYS;
+    if (back->round < ROUNDS_FULL)
+        back->rays = (uint32_t)ceil(ROUND_SHARE[back->round] * all);
+}
+
 bool reach_spread(Reach *reach, Error *err)
 {
     static const char what[] = "the search for sides in sight";
     const uint32_t sides = 2 * reach->surfaces->count;
-    Back back = { .reach = reach, .rays = reach->rays };
+    Back back = { .reach = reach };
     back.seen = array_create(sides, sizeof *back.seen, what, err);
     back.met = array_create((size_t)sides * MET, sizeof *back.met, what, err);
     const bool made = !error_is_set(err);
     for (size_t k = 0; made && k < (size_t)sides * MET; k++)
         back.met[k] = SIDE_NONE;
     bool done = made;
-    uint64_t before = UINT64_MAX;
-    for (; done && back.round < ROUNDS_MAX && reach->reached != before; back.round++) {
-        done = spread_on(reach);
-        before = reach->reached;
-        done = done && parallel_for(sides, SIDE_CHUNK, reach->threads, back_chunk, &back,
-                                    reach->monitor, NULL);
-        for (uint32_t k = 0; done && k < sides; k++)
-            reach_add(reach, back.seen[k]);
-        if (back.rays / 2 >= ROUND_RAYS_MIN)
-            back.rays /= 2;
+    for (uint32_t idle = 0; done && back.round < ROUNDS_MAX && idle < IDLE_MOST; back.round++) {
+        const uint64_t before = reach->reached;
+        begin_round(&back);
+        done = spread_on(reach) && round_back(&back);
+        const bool quiet = (double)(reach->reached - before) <= IDLE_SHARE * (double)before;
+        idle = back.round >= ROUNDS_FULL && quiet ? idle + 1 : 0;
+        /* When nothing at all was new, nothing will be. */
+        if (back.round >= ROUNDS_FULL && reach->reached == before)
+            break;
     }
+    done = done && spread_on(reach);
     array_free(back.seen);
     array_free(back.met);
     if (made && !done)
