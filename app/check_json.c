@@ -158,6 +158,7 @@ void check_json(Json *json, const Check *check)
     json_bool(json, "closed", check->inspection.rims == 0 && check->inspection.bordered == 0);
     json_number(json, "seconds", check->inspection.seconds);
     json_count(json, "triangles_cut_short", check->inspection.hurried);
+    json_count(json, "parts_not_placed", check->inspection.unplaced);
     json_open(json, "missing_materials", '[');
     for (size_t i = 0; i < session->warning_count; i++)
         if (strcmp(session->warnings[i].code, "material-missing") == 0)

@@ -139,7 +139,7 @@ static void say_units(const Check *check)
     const double     unit = check->pipeline->session->options.unit_m;
     if (!u->suspicious)
         return;
-    check_say(check, "  units       suspicious: with units of %g m the scene's box is %.3g to %.3g m",
+    check_say(check, "  units       suspicious: in units of %g m the scene's box is %.3g to %.3g m",
               unit, u->least, u->largest);
     if (!isnan(u->eye))
         check_say(check, "              and its camera %.3g m above the lowest point", u->eye);
@@ -168,6 +168,9 @@ static void say_table(const Check *check)
     if (check->inspection.hurried > 0)
         check_say(check, "  crossings: %u triangles meet too many others; not all are counted",
                   check->inspection.hurried);
+    if (check->inspection.unplaced > 0)
+        check_say(check, "  inside-solid: %u parts have too much around them to tell",
+                  check->inspection.unplaced);
 }
 
 static bool any_defect(const Check *check)

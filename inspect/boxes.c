@@ -184,7 +184,7 @@ static bool boxes_meet(const Box *a, const Box *b)
            b->lo[1] <= a->hi[1] && a->lo[2] <= b->hi[2] && b->lo[2] <= a->hi[2];
 }
 
-uint32_t box_tree_meet(const BoxTree *tree, const Box *box, float least, uint32_t *item,
+uint32_t box_tree_meet(const BoxTree *tree, const Box *box, float least, uint32_t *at,
                        uint32_t most)
 {
     uint32_t stack[STACK], waiting = tree->count > 0, found = 0;
@@ -199,7 +199,7 @@ uint32_t box_tree_meet(const BoxTree *tree, const Box *box, float least, uint32_
                 continue;
             if (found == most)
                 return most + 1;
-            item[found++] = entry->item;
+            at[found++] = i;
         }
         if (node->count == 0) {
             assert(waiting + 2 <= STACK);
@@ -211,9 +211,10 @@ uint32_t box_tree_meet(const BoxTree *tree, const Box *box, float least, uint32_
 }
 
 /* The slab test; comparisons are such that a box is rather met than missed. */
-static bool box_pierced(const Box *box, const double origin[3], const double inverse[3])
+static bool box_pierced(const Box *box, const double origin[3], const double inverse[3],
+                        double reach)
 {
-    double enter = 0, leave = INFINITY;
+    double enter = 0, leave = reach;
     for (int k = 0; k < 3; k++) {
         const double a = (box->lo[k] - origin[k]) * inverse[k];
         const double b = (box->hi[k] - origin[k]) * inverse[k];
@@ -223,8 +224,8 @@ static bool box_pierced(const Box *box, const double origin[3], const double inv
     return enter <= leave;
 }
 
-uint32_t box_tree_pierce(const BoxTree *tree, Vec3 origin, Vec3 direction, uint32_t *item,
-                         uint32_t most)
+uint32_t box_tree_pierce(const BoxTree *tree, Vec3 origin, Vec3 direction, double reach,
+                         uint32_t *at, uint32_t most)
 {
     assert(direction.x != 0 && direction.y != 0 && direction.z != 0);
     const double o[3] = { origin.x, origin.y, origin.z };
@@ -233,14 +234,14 @@ uint32_t box_tree_pierce(const BoxTree *tree, Vec3 origin, Vec3 direction, uint3
     stack[0] = 0;
     while (waiting > 0) {
         const BoxNode *node = &tree->node[stack[--waiting]];
-        if (!box_pierced(&node->box, o, inverse))
+        if (!box_pierced(&node->box, o, inverse, reach))
             continue;
         for (uint32_t i = node->first; i < node->first + node->count; i++) {
-            if (!box_pierced(&tree->entry[i].box, o, inverse))
+            if (!box_pierced(&tree->entry[i].box, o, inverse, reach))
                 continue;
             if (found == most)
                 return most + 1;
-            item[found++] = tree->entry[i].item;
+            at[found++] = i;
         }
         if (node->count == 0) {
             assert(waiting + 2 <= STACK);

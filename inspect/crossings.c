@@ -15,7 +15,7 @@
 
 enum {
     CHUNK = 512,
-    LOOK_MOST = 1024, /* neighbours that a triangle is compared with */
+    LOOK_MOST = 512,  /* neighbours that a triangle is compared with */
     FOUND_MOST = 16   /* pairs found for a triangle, then the next one's turn */
 };
 
@@ -65,49 +65,50 @@ static bool add_meeting(Meetings *list, const Pair *pair, uint32_t f, uint32_t g
     return true;
 }
 
-/* Whether triangle `other` is compared when it is `k`'s turn. */
-static bool is_turn(const Surfaces *s, uint32_t k, uint32_t other, float size, const Box *box)
+/* Whether entry `other` is compared when it is the turn of `entry`. */
+static bool is_turn(const Surfaces *s, const BoxEntry *entry, const BoxEntry *other, float size)
 {
-    const float larger = box_size(box);
-    const uint32_t a = s->triangle_surface[k], b = s->triangle_surface[other];
-    return (larger > size || (larger == size && other < k)) && a != b &&
-           s->triangle_face[k] != s->triangle_face[other];
+    const float    larger = box_size(&other->box);
+    const uint32_t k = entry->item, n = other->item;
+    return (larger > size || (larger == size && n < k)) &&
+           s->triangle_surface[k] != s->triangle_surface[n] &&
+           s->triangle_face[k] != s->triangle_face[n];
 }
 
-static Box triangle_box(const Triangle *t)
+/* Triangle k with one of the larger ones; *found counts what counts. */
+static bool search_pair(const Inspector *in, const Triangle *a, uint32_t k, uint32_t other,
+                        Meetings *list, uint32_t *found)
 {
-    const Vec3 pad = vec3(t->tolerance, t->tolerance, t->tolerance);
-    const Vec3 lo = vec3_min(t->p[0], vec3_min(t->p[1], t->p[2]));
-    const Vec3 hi = vec3_max(t->p[0], vec3_max(t->p[1], t->p[2]));
-    return box_around(vec3_sub(lo, pad), vec3_add(hi, pad));
+    const Surfaces *s = in->surfaces;
+    Triangle        b = triangle_get(s, other);
+    if (triangle_clear(a, &b) || !triangle_plane(&b))
+        return true;
+    const Pair pair = pair_find(a, &b);
+    const bool alike = vec3_dot(a->normal, b.normal) > 0;
+    if (pair.kind == PAIR_APART ||
+        (pair.kind == PAIR_OVERLAP &&
+         !overlap_counts(in, s->triangle_surface[k], s->triangle_surface[other], alike)))
+        return true;
+    ++*found;
+    return add_meeting(list, &pair, s->triangle_face[k], s->triangle_face[other]);
 }
 
-/* All pairs of triangle k with larger ones. */
+/* All pairs of an entry's triangle with larger ones. */
 static bool search_triangle(const Inspector *in, const BoxEntry *entry, Meetings *list)
 {
     const Surfaces *s = in->surfaces;
-    const uint32_t  k = entry->item;
     const float     size = box_size(&entry->box);
     uint32_t        near[LOOK_MOST], found = 0;
-    Triangle        a, b;
-    if (!triangle_get(s, k, &a))
+    Triangle        a = triangle_get(s, entry->item);
+    if (!triangle_plane(&a))
         return true;
-    uint32_t count = box_tree_meet(&in->tree, &entry->box, size, near, LOOK_MOST);
-    bool     hurried = count > LOOK_MOST;
+    const uint32_t count = box_tree_meet(&in->tree, &entry->box, size, near, LOOK_MOST);
+    const bool     hurried = count > LOOK_MOST;
     for (uint32_t i = 0; i < count - hurried && found < FOUND_MOST; i++) {
-        const bool whole = triangle_get(s, near[i], &b);
-        const Box  box = triangle_box(&b);
-        if (!whole || !is_turn(s, k, near[i], size, &box))
-            continue;
-        const Pair     pair = pair_find(&a, &b);
-        const uint32_t f = s->triangle_surface[k], g = s->triangle_surface[near[i]];
-        const bool     alike = vec3_dot(a.normal, b.normal) > 0;
-        if (pair.kind == PAIR_APART ||
-            (pair.kind == PAIR_OVERLAP && !overlap_counts(in, f, g, alike)))
-            continue;
-        if (!add_meeting(list, &pair, s->triangle_face[k], s->triangle_face[near[i]]))
+        const BoxEntry *other = &in->tree.entry[near[i]];
+        if (is_turn(s, entry, other, size) &&
+            !search_pair(in, &a, entry->item, other->item, list, &found))
             return false;
-        found++;
     }
     list->hurried += hurried || found == FOUND_MOST;
     return true;
@@ -194,8 +195,7 @@ static bool build_tree(Inspector *in)
     const uint32_t count = in->surfaces->triangle_count;
     BoxEntry      *entry = array_create(count, sizeof *entry, "box tree", in->err);
     for (uint32_t k = 0; entry != NULL && k < count; k++) {
-        Triangle t;
-        triangle_get(in->surfaces, k, &t);
+        const Triangle t = triangle_get(in->surfaces, k);
         entry[k].box = triangle_box(&t);
     }
     return box_tree_create(&in->tree, entry, count, in->err);

@@ -53,6 +53,7 @@ typedef struct {
     uint32_t  parts, closed_parts;
     uint32_t  hidden;     /* surfaces with no side in use, from `sides` */
     uint32_t  hurried;    /* triangles whose crossings were not all looked for: too many */
+    uint32_t  unplaced;   /* parts not told to be inside a solid or not: too much around them */
     double    seconds;
 } Inspection;
 

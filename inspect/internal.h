@@ -41,25 +41,30 @@ float box_size(const Box *box);
 bool box_tree_create(BoxTree *tree, BoxEntry *entry, uint32_t count, Error *err);
 void box_tree_clear(BoxTree *tree);
 
-/* Items whose boxes meet `box` and are at least as large as `least`, at most `most` of them;
+/* Entries whose boxes meet `box` and are at least as large as `least`, at most `most` of them;
  * returns how many there are, or most + 1 when there are more. */
-uint32_t box_tree_meet(const BoxTree *tree, const Box *box, float least, uint32_t *item,
+uint32_t box_tree_meet(const BoxTree *tree, const Box *box, float least, uint32_t *at,
                        uint32_t most);
-/* Items whose boxes the ray from `origin` meets, likewise. No component of direction may be 0. */
-uint32_t box_tree_pierce(const BoxTree *tree, Vec3 origin, Vec3 direction, uint32_t *item,
-                         uint32_t most);
+/* Entries whose boxes the ray from `origin` to origin + reach * direction meets, likewise. No
+ * component of direction may be 0. */
+uint32_t box_tree_pierce(const BoxTree *tree, Vec3 origin, Vec3 direction, double reach,
+                         uint32_t *at, uint32_t most);
 
 /* --- pair.c: two triangles -------------------------------------------------------------------- */
 
 typedef struct {
     Vec3            p[3];
     const uint32_t *corner;  /* [3]  numbers of the vertices: equal ones are shared */
-    Vec3            normal;  /* unit */
+    Vec3            normal;  /* unit; only after triangle_plane */
     double          tolerance;
 } Triangle;
 
-/* Triangle k; false when it is thinner than the tolerance: its plane would mean nothing. */
-bool triangle_get(const Surfaces *surfaces, uint32_t k, Triangle *out);
+Triangle triangle_get(const Surfaces *surfaces, uint32_t k);
+/* Its normal; false when it is thinner than the tolerance: its plane would mean nothing. */
+bool triangle_plane(Triangle *t);
+Box  triangle_box(const Triangle *t);
+/* Whether b lies on one side of a's plane, or off it, by more than the tolerance: quick. */
+bool triangle_clear(const Triangle *a, const Triangle *b);
 
 typedef enum { PAIR_APART, PAIR_CROSSING, PAIR_OVERLAP } PairKind;
 
@@ -69,7 +74,8 @@ typedef struct {
     double   depth;   /* how far one would have to move, at least about */
 } Pair;
 
-/* How two triangles meet, when they do by more than the tolerance; `a` should be the smaller. */
+/* How two triangles with their planes meet, when they do by more than the tolerance; `a` should be
+ * the smaller. */
 Pair pair_find(const Triangle *a, const Triangle *b);
 
 /* --- the searches ----------------------------------------------------------------------------- */

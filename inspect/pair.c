@@ -13,24 +13,47 @@
 /* A triangle cut by three lines has 6 corners; rounding can at most double them each time. */
 enum { CLIP_MOST = 24 };
 
-bool triangle_get(const Surfaces *surfaces, uint32_t k, Triangle *out)
+Triangle triangle_get(const Surfaces *surfaces, uint32_t k)
 {
+    Triangle t = { .corner = surfaces->corner + 3 * (size_t)k };
+    double   largest = 0;
     assert(k < surfaces->triangle_count);
-    double largest = 0;
-    out->corner = surfaces->corner + 3 * (size_t)k;
     for (int i = 0; i < 3; i++) {
-        const Vec3 p = surfaces->position[out->corner[i]];
-        out->p[i] = p;
+        const Vec3 p = surfaces->position[t.corner[i]];
+        t.p[i] = p;
         largest = fmax(largest, fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))));
     }
-    out->tolerance = inspect_tolerance(largest);
-    const Vec3 ab = vec3_sub(out->p[1], out->p[0]), ac = vec3_sub(out->p[2], out->p[0]);
-    const Vec3 cross = vec3_cross(ab, ac);
+    t.tolerance = inspect_tolerance(largest);
+    return t;
+}
+
+bool triangle_plane(Triangle *t)
+{
+    const Vec3   ab = vec3_sub(t->p[1], t->p[0]), ac = vec3_sub(t->p[2], t->p[0]);
+    const Vec3   cross = vec3_cross(ab, ac);
     const double longest = fmax(vec3_length(ab), fmax(vec3_length(ac),
-                                vec3_length(vec3_sub(out->p[2], out->p[1]))));
+                                vec3_length(vec3_sub(t->p[2], t->p[1]))));
     const double length = vec3_length(cross);
-    out->normal = vec3_scale(cross, 1 / length);
-    return length > out->tolerance * longest; /* its least height */
+    t->normal = vec3_scale(cross, 1 / length);
+    return length > t->tolerance * longest; /* its least height */
+}
+
+Box triangle_box(const Triangle *t)
+{
+    const Vec3 pad = vec3(t->tolerance, t->tolerance, t->tolerance);
+    const Vec3 lo = vec3_min(t->p[0], vec3_min(t->p[1], t->p[2]));
+    const Vec3 hi = vec3_max(t->p[0], vec3_max(t->p[1], t->p[2]));
+    return box_around(vec3_sub(lo, pad), vec3_add(hi, pad));
+}
+
+bool triangle_clear(const Triangle *a, const Triangle *b)
+{
+    const double tolerance = fmax(a->tolerance, b->tolerance);
+    const double d[3] = { vec3_dot(a->normal, vec3_sub(b->p[0], a->p[0])),
+                          vec3_dot(a->normal, vec3_sub(b->p[1], a->p[0])),
+                          vec3_dot(a->normal, vec3_sub(b->p[2], a->p[0])) };
+    return (d[0] > tolerance && d[1] > tolerance && d[2] > tolerance) ||
+           (d[0] < -tolerance && d[1] < -tolerance && d[2] < -tolerance);
 }
 
 /* Distances of a's corners from b's plane; those on it because they are shared: 0. */

@@ -14,8 +14,8 @@
 
 enum {
     CHUNK = 64,
-    AROUND_MOST = 32,  /* solids around a part that are tried, the smallest boxes first */
-    PIERCE_MOST = 4096,/* boxes that a ray may pass: beyond, it has no say */
+    AROUND_MOST = 32,   /* solids around a part that are tried */
+    PIERCE_MOST = 2048, /* boxes that a ray may pass: beyond, the part is given up */
     POINTS = 3,
     RAYS = 3
 };
@@ -101,6 +101,7 @@ typedef struct {
     uint32_t  *solid_part;  /* [solids.count]  part of an item of the tree */
     BoxTree    solids;
     uint32_t  *inside;      /* [parts]  the solid that a part lies in, or UINT32_MAX */
+    uint8_t   *given_up;    /* [parts] */
 } Burial;
 
 /* A hull around the whole scene is the room, whichever way its fronts look. */
@@ -169,37 +170,54 @@ static bool inside_shape(const Shape *shape, Vec3 p)
     return ring * ring + q.z * q.z < shape->ratio * shape->ratio;
 }
 
-/* 1: inside, -1: outside, 0: cannot say. */
-static int vote(const Burial *b, uint32_t solid, Vec3 point)
+/* How far a ray from a point in the box goes until it has left it. */
+static double way_out(const Part *part, Vec3 p, Vec3 d)
 {
-    const Surfaces *s = b->in->surfaces;
-    const Surface  *first = &s->surface[b->in->out->part[solid].first];
-    uint32_t        near[PIERCE_MOST];
-    int             votes = 0;
-    if (first->kind == SURFACE_SHAPE)
-        return inside_shape(&s->shape[first->primitive - s->triangle_count], point) ? 1 : -1;
-    for (int k = 0; k < RAYS; k++) {
-        const uint32_t n = box_tree_pierce(&b->in->tree, point, directions[k], near, PIERCE_MOST);
-        unsigned       passed = 0;
-        for (uint32_t i = 0; n <= PIERCE_MOST && i < n; i++)
-            passed += s->part[s->triangle_surface[near[i]]] == solid &&
-                      ray_passes(s, near[i], point, directions[k]);
-        votes += n > PIERCE_MOST ? 0 : passed % 2 == 1 ? 1 : -1;
-    }
-    return (votes > 0) - (votes < 0);
+    const double x = ((d.x > 0 ? part->hi.x : part->lo.x) - p.x) / d.x;
+    const double y = ((d.y > 0 ? part->hi.y : part->lo.y) - p.y) / d.y;
+    const double z = ((d.z > 0 ? part->hi.z : part->lo.z) - p.z) / d.z;
+    return fmax(fmin(x, fmin(y, z)), 0);
 }
 
-/* Whether the part lies in the solid: points of its first, middle and last surface do. */
-static bool part_inside(const Burial *b, const uint32_t *point, uint32_t solid)
+typedef enum { PLACE_OUTSIDE, PLACE_INSIDE, PLACE_UNKNOWN } Place;
+
+static Place point_place(const Burial *b, uint32_t solid, Vec3 point)
 {
     const Surfaces *s = b->in->surfaces;
-    for (int k = 0; k < POINTS; k++) {
-        SurfacePoint at;
-        surfaces_point(s, point[k], 1.0 / 3, 1.0 / 3, &at);
-        if (vote(b, solid, at.point) <= 0)
-            return false;
+    const Part     *part = &b->in->out->part[solid];
+    const Surface  *first = &s->surface[part->first];
+    uint32_t        near[PIERCE_MOST];
+    int             inside = 0;
+    if (first->kind == SURFACE_SHAPE)
+        return inside_shape(&s->shape[first->primitive - s->triangle_count], point)
+                   ? PLACE_INSIDE : PLACE_OUTSIDE;
+    for (int k = 0; k < RAYS; k++) {
+        const Vec3     d = directions[k];
+        const uint32_t n = box_tree_pierce(&b->in->tree, point, d, way_out(part, point, d), near,
+                                           PIERCE_MOST);
+        unsigned       passed = 0;
+        if (n > PIERCE_MOST)
+            return PLACE_UNKNOWN;
+        for (uint32_t i = 0; i < n; i++) {
+            const uint32_t triangle = b->in->tree.entry[near[i]].item;
+            passed += s->part[s->triangle_surface[triangle]] == solid &&
+                      ray_passes(s, triangle, point, d);
+        }
+        inside += passed % 2 == 1;
     }
-    return true;
+    return 2 * inside > RAYS ? PLACE_INSIDE : PLACE_OUTSIDE;
+}
+
+/* Where the part lies: inside when points of its first, middle and last surface do. */
+static Place part_place(const Burial *b, const uint32_t *point, uint32_t solid)
+{
+    Place place = PLACE_INSIDE;
+    for (int k = 0; k < POINTS && place == PLACE_INSIDE; k++) {
+        SurfacePoint at;
+        surfaces_point(b->in->surfaces, point[k], 1.0 / 3, 1.0 / 3, &at);
+        place = point_place(b, solid, at.point);
+    }
+    return place;
 }
 
 static bool box_holds(const Part *outer, const Part *part)
@@ -226,12 +244,16 @@ static void dig_part(const Digging *digging, uint32_t p)
     const Box box = box_around(part->lo, part->hi);
     uint32_t  n = box_tree_meet(&b->solids, &box, box_size(&box), around, AROUND_MOST);
     n = n > AROUND_MOST ? AROUND_MOST : n;
-    for (uint32_t i = 0; i < n && b->inside[p] == UINT32_MAX; i++) {
-        const uint32_t solid = b->solid_part[around[i]];
-        if (solid != p && box_holds(&out->part[solid], part) &&
-            part_inside(b, digging->point + (size_t)POINTS * p, solid))
+    Place place = PLACE_OUTSIDE;
+    for (uint32_t i = 0; i < n && place == PLACE_OUTSIDE; i++) {
+        const uint32_t solid = b->solid_part[b->solids.entry[around[i]].item];
+        if (solid == p || !box_holds(&out->part[solid], part))
+            continue;
+        place = part_place(b, digging->point + (size_t)POINTS * p, solid);
+        if (place == PLACE_INSIDE)
             b->inside[p] = solid;
     }
+    b->given_up[p] = place == PLACE_UNKNOWN;
 }
 
 static void dig_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
@@ -263,6 +285,7 @@ static bool tell_buried(const Burial *b)
     const Inspector *in = b->in;
     for (uint32_t p = 0; p < in->out->parts; p++) {
         const Part *part = &in->out->part[p];
+        in->out->unplaced += b->given_up[p];
         if (b->inside[p] == UINT32_MAX)
             continue;
         const Part  *solid = &in->out->part[b->inside[p]];
@@ -299,7 +322,8 @@ bool inspect_parts(Inspector *in)
     Burial b = { .in = in };
     b.solid = array_create(in->out->parts, sizeof *b.solid, "parts", in->err);
     b.inside = array_create(in->out->parts, sizeof *b.inside, "parts", in->err);
-    bool ok = b.solid != NULL && b.inside != NULL;
+    b.given_up = array_create(in->out->parts, sizeof *b.given_up, "parts", in->err);
+    bool ok = !error_is_set(in->err);
     if (ok) {
         find_solids(&b);
         ok = sort_solids(&b) && (b.solids.count == 0 || dig(&b));
@@ -308,5 +332,6 @@ bool inspect_parts(Inspector *in)
     array_free(b.solid_part);
     array_free(b.solid);
     array_free(b.inside);
+    array_free(b.given_up);
     return ok;
 }
