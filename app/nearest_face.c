@@ -93,7 +93,8 @@ static Box box_of(const NearestFaces *n, size_t begin, size_t end)
 
 static void build(NearestFaces *n, size_t node, size_t begin, size_t end)
 {
-    static int (*const by_axis[3])(const void *, const void *) = { compare_x, compare_y, compare_z };
+    static int (*const by_axis[3])(const void *, const void *) = { compare_x, compare_y,
+                                                                   compare_z };
     assert(node < n->box_count && begin < end);
     n->box[node] = box_of(n, begin, end);
     if (end - begin <= LEAF)

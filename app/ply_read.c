@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Solved meshes out of PLY files that isolux wrote: a header of known lines, records of known size. */
+/* Solved meshes out of PLY files that isolux wrote: known lines, then records of known size. */
 #include "app/ply_read.h"
 
 #include <assert.h>

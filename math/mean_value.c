@@ -31,7 +31,10 @@ static void clear(const IndexPolygon *polygon, double *weight, double value)
 
 /* Product of lengths and scalar product cancel where the point lies on the edge; six products and
  * a root leave this much of the first. */
-static bool on_edge(double lengths, double dot) { return lengths + dot <= 8 * DBL_EPSILON * lengths; }
+static bool on_edge(double lengths, double dot)
+{
+    return lengths + dot <= 8 * DBL_EPSILON * lengths;
+}
 
 void mean_value_weights(const IndexPolygon *polygon, Vec3 normal, Vec3 point, double *weight)
 {

@@ -94,10 +94,10 @@ void solution_energy(const Solution *solution, const Links *links, const SolvePr
  * laid through the values at the centres of the patches around it, near ones weighing more, at rims
  * with their neighbours; what the means over patches then lack is added once. Exact for linear
  * functions on flat grids up to the rim; never beyond the values around but for rims, where as much
- * as their range is allowed, nor below 0 where they are not. Creases, sides and material borders are
- * kept because vertices are split there. `area` [patches->count] is the visible one: patches with 0
- * (hidden inside solids) do not count, and vertices of hidden patches alone get what lies nearest,
- * or 0.
+ * as their range is allowed, nor below 0 where they are not. Creases, sides and material borders
+ * are kept because vertices are split there. `area` [patches->count] is the visible one: patches
+ * with 0 (hidden inside solids) do not count, and vertices of hidden patches alone get what lies
+ * nearest, or 0.
  * fails  false and ERROR_MEMORY. */
 bool vertex_radiosity(const Patches *patches, const double *area, unsigned bands,
                       const double *patch_value, double *out, Error *err);

@@ -101,7 +101,8 @@ static bool carry_allocate(Carry *c, Error *err)
         most = corners > most ? corners : most;
     }
     c->weight = array_create(most, sizeof *c->weight, "vertex values", err);
-    c->missing = array_create((size_t)p->count * c->bands, sizeof *c->missing, "vertex values", err);
+    c->missing = array_create((size_t)p->count * c->bands, sizeof *c->missing, "vertex values",
+                              err);
     return !error_is_set(err);
 }
 

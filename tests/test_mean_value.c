@@ -48,7 +48,7 @@ static void known_weights(void **state)
     /* The height over the plane does not count. */
     mean_value_weights(&three, up, vec3(0.7, 0.2, 3), w);
     assert_true(fabs(w[0] - 0.3) < CLOSE && fabs(w[1] - 0.5) < CLOSE && fabs(w[2] - 0.2) < CLOSE);
-    /* Quarter of the way along the diagonal of a square, by half angles: tan(a/2) between spokes. */
+    /* Nearer to corner 0, on the diagonal: symmetric, and falling with distance. */
     mean_value_weights(&four, up, vec3(0.25, 0.25, 0), w);
     assert_true(fabs(w[1] - w[3]) < CLOSE && w[0] > w[1] && w[1] > w[2] && w[2] > 0);
 }

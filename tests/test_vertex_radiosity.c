@@ -79,7 +79,8 @@ static void hand_finish(Hand *h)
     p->normal = calloc(h->faces, sizeof *p->normal);
     for (uint32_t f = 0; f < h->faces; f++)
         for (uint32_t k = 0; k < 4; k++) {
-            const uint32_t x = h->x[f] + (k % 3 != 0) * h->edge[f], y = h->y[f] + k / 2 * h->edge[f];
+            const uint32_t x = h->x[f] + (k % 2) * h->edge[f];
+            const uint32_t y = h->y[f] + k / 2 * h->edge[f];
             if (h->vertex_at[x][y] == PATCH_NONE) {
                 h->vertex_at[x][y] = p->vertex_count;
                 p->position[p->vertex_count++] = vec3(h->scale * x, h->scale * y, 0);
@@ -262,7 +263,8 @@ static void linear_past_t_vertices(void **state)
     soup_start(&m.soup);
     soup_polygon(&m.soup, (Vec3[]){ { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0 }, { 0, 1, 0 } }, 4, 0, 0);
     soup_polygon(&m.soup, (Vec3[]){ { 1, 0, 0 }, { 4, 0, 0 }, { 4, 1, 0 }, { 1, 1, 0 } }, 4, 0, 0);
-    soup_polygon(&m.soup, (Vec3[]){ { 0, 1, 0 }, { 1, 1, 0 }, { 1, 3.1, 0 }, { 0, 3.1, 0 } }, 4, 0, 0);
+    soup_polygon(&m.soup, (Vec3[]){ { 0, 1, 0 }, { 1, 1, 0 }, { 1, 3.1, 0 }, { 0, 3.1, 0 } }, 4, 0,
+                 0);
     mesh_make(&m, &(PatchOptions){ .size = 0.3 });
     assert_true(mesh_error(&m, linear) < EXACT);
 }
