@@ -99,6 +99,69 @@ static void test_balance(void **state)
     }
 }
 
+typedef struct {
+    double  low, high; /* y */
+    bool    right;
+    uint8_t level;
+} Span;
+
+/* Fronts' cells that have an edge on the line x = 1. */
+static size_t spans_at_seam(const Patches *p, Span *span, size_t most)
+{
+    size_t n = 0;
+    for (uint32_t f = 0; f < p->face_count; f++) {
+        const uint32_t patch = p->face_patch[f];
+        double y[2] = { 0 };
+        int found = 0;
+        for (uint32_t c = p->first_corner[f]; p->side[patch] == 0 && c < p->first_corner[f + 1];
+             c++)
+            if (p->corner_along[c] == floor(p->corner_along[c])
+                && p->position[p->corner[c]].x == 1 && found < 2)
+                y[found++] = p->position[p->corner[c]].y;
+        if (found == 2) {
+            assert_true(n < most);
+            span[n++] = (Span){ fmin(y[0], y[1]), fmax(y[0], y[1]), p->centre[patch].x > 1,
+                                p->cell[patch].level };
+        }
+    }
+    return n;
+}
+
+/* Where a square's grid and a triangle's differ, lengths are what counts: a divided cell has no
+ * neighbour more than 2 sqrt 2 times as long, twice for the level and half of that for rounding. */
+static void test_unlike_grids(void **state)
+{
+    (void)state;
+    enum { MOST = 1000 };
+    static Span span[MOST];
+    static const double size[] = { 0.34, 0.26, 3 };
+    for (int k = 0; k < 3; k++) {
+        Mesh m;
+        uint32_t seed = 47 + (uint32_t)k;
+        soup_start(&m.soup);
+        soup_polygon(&m.soup, (Vec3[]){ { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0 }, { 0, 1, 0 } }, 4, 0,
+                     0);
+        soup_polygon(&m.soup, (Vec3[]){ { 1, 0, 0 }, { k == 2 ? 9 : 2, 0, 0 }, { 1, 1, 0 } }, 3, 0,
+                     0);
+        mesh_make(&m, &(PatchOptions){ .size = size[k], .separate = true });
+        assert_true(m.patches->nu[0] != m.patches->nu[1]);
+        for (int round = 0; round < 4; round++) {
+            mesh_split_some(&m, 12, &seed);
+            const size_t n = spans_at_seam(m.patches, span, MOST);
+            for (size_t i = 0; i < n; i++)
+                for (size_t j = 0; j < n; j++) {
+                    const Span *a = &span[i], *b = &span[j];
+                    if (a->right == b->right || a->level == 0 || a->low > b->high - 1e-9
+                        || b->low > a->high - 1e-9)
+                        continue;
+                    assert_true(b->high - b->low < 2 * sqrt(2) * (a->high - a->low) + 1e-9);
+                }
+            check_outlines(&m);
+        }
+        mesh_clear(&m);
+    }
+}
+
 /* --- interpolation ---------------------------------------------------------------------------- */
 
 static void test_outlines(void **state)
@@ -277,6 +340,7 @@ int main(void)
         cmocka_unit_test(test_closed_blocks),
         cmocka_unit_test(test_closed_shapes),
         cmocka_unit_test(test_balance),
+        cmocka_unit_test(test_unlike_grids),
         cmocka_unit_test(test_outlines),
         cmocka_unit_test(test_linear),
         cmocka_unit_test(test_points),
