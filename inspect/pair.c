@@ -140,7 +140,7 @@ static Pair find_crossing(const Triangle *a, const Triangle *b, const double da[
 
 /* --- in one plane ----------------------------------------------------------------------------- */
 
-/* Keeps what lies to the left of the line from p along `edge` in the plane with this normal. */
+/* Keeps what lies to the inner side of a line through p [sutherland74]. */
 static int clip_left(Vec3 *corner, int count, Vec3 p, Vec3 inward)
 {
     Vec3 kept[CLIP_MOST];
