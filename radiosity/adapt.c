@@ -53,33 +53,39 @@ static double reflected(const Adapting *a, uint32_t patch)
     return rgb_luminance(rgb(rho.r * h[0], rho.g * h[1], rho.b * h[2]));
 }
 
-/* Light that a row brings, and how much chance there is in the indirect part: a ray that comes to j
- * brings what j reflects. */
-static void gather_row(const Adapting *a, uint32_t patch, double *mean)
+/* Light that a row brings, spread over the points of the patch, and how much chance there is in the
+ * indirect part: a ray that comes to j brings what j reflects. */
+static void gather_row(Adapting *a, AdaptSampler *sampler, uint32_t patch, double *mean)
 {
     const Links *links = a->links;
     double sum = 0, squares = 0, direct = 0;
     for (uint64_t k = links->first[patch]; k < links->first[patch + 1]; k++) {
         const uint32_t j = links->source[k];
-        const double b = reflected(a, j);
-        sum += links->form_factor[k] * b;
-        squares += links->form_factor[k] * b * b;
-        direct += links->form_factor[k] * rgb_luminance(room_emission(a->room, j));
+        const double f = links->form_factor[k], b = reflected(a, j);
+        const double own = rgb_luminance(room_emission(a->room, j));
+        sum += f * b;
+        squares += f * b * b;
+        direct += f * own;
+        adapt_spread(sampler, j, f, a->near[patch] ? b + own : b);
     }
     mean[INDIRECT] = sum;
     mean[TOTAL] = sum + direct;
     a->noise[patch] = NET_VARIANCE * fmax(squares - sum * sum, 0) / a->row_rays;
+    if (a->near[patch])
+        a->noise[patch] += NET_VARIANCE * sampler->spread * direct * direct /
+                           (LAMP_SHARE * a->row_rays);
 }
 
 static void sample_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
 {
     Adapting *a = context;
+    AdaptSampler *sampler = &a->sampler[worker];
     for (uint32_t i = begin; i < end; i++) {
         AdaptPoint *point = &a->point[(size_t)i * ADAPT_POINTS];
         double *mean = &a->mean[(size_t)i * VALUES], weights = 0;
         if (!(a->links->area[i] > 0))
             continue;
-        const uint32_t n = adapt_sample(&a->sampler[worker], i, point);
+        const uint32_t n = adapt_sample(sampler, i, point);
         a->points[i] = (uint8_t)n;
         for (uint32_t k = 0; k < n; k++) {
             mean[DIRECT_A] += (double)point[k].weight * (double)point[k].direct[0];
@@ -88,11 +94,10 @@ static void sample_chunk(void *context, uint32_t begin, uint32_t end, unsigned w
         }
         mean[DIRECT_A] /= weights > 0 ? weights : 1;
         mean[DIRECT_B] /= weights > 0 ? weights : 1;
-        gather_row(a, i, mean);
-        const double spread = a->sampler[worker].spread, direct = mean[TOTAL] - mean[INDIRECT];
-        a->near[i] = a->sampler[worker].open && spread > NEAR_SPREAD;
-        if (a->near[i])
-            a->noise[i] += NET_VARIANCE * spread * direct * direct / (LAMP_SHARE * a->row_rays);
+        a->near[i] = sampler->open && sampler->spread > NEAR_SPREAD;
+        gather_row(a, sampler, i, mean);
+        adapt_collect(sampler, (double)a->links->escape[i], mean[a->near[i] ? TOTAL : INDIRECT], n,
+                      point);
     }
 }
 
@@ -111,28 +116,24 @@ static void interpolate(const Adapting *a, const AdaptPoint *at, unsigned side,
             value[v] += weight[k] * a->vertex[(size_t)vertex[k] * VALUES + (size_t)v];
 }
 
-/* Square of the error. Of the direct light: the two halves are off by the same error of the mesh
- * and by noise that knows nothing of the other's, so their product is off by nothing in the mean.
- * Of what is smooth: how far the mesh misses the patch's own mean. */
+/* Square of the error. What the mesh misses of the smooth light is the same in both halves; of the
+ * direct light, both are off by the same error of the mesh and by noise that knows nothing of the
+ * other's: so the product of both halves is off by nothing in the mean. */
 static double squared_error(const Adapting *a, uint32_t i)
 {
     const AdaptPoint *point = &a->point[(size_t)i * ADAPT_POINTS];
-    const int smooth = a->near[i] ? TOTAL : INDIRECT;
-    double products = 0, mean = 0, weights = 0;
+    double products = 0, weights = 0;
     for (uint32_t k = 0; k < a->points[i]; k++) {
         double value[VALUES];
         const double w = (double)point[k].weight;
         interpolate(a, &point[k], a->room->patches->side[i], value);
-        products += w * ((double)point[k].direct[0] - value[DIRECT_A]) *
-                    ((double)point[k].direct[1] - value[DIRECT_B]);
-        mean += w * value[smooth];
+        const double smooth = (double)point[k].smooth - value[a->near[i] ? TOTAL : INDIRECT];
+        const double first = (double)point[k].direct[0] - value[DIRECT_A];
+        const double second = (double)point[k].direct[1] - value[DIRECT_B];
+        products += w * (a->near[i] ? smooth * smooth : (first + smooth) * (second + smooth));
         weights += w;
     }
-    if (!(weights > 0))
-        return 0;
-    const double missed = mean / weights - a->mean[(size_t)i * VALUES + (size_t)smooth];
-    const double square = fmax(missed * missed - a->noise[i], 0);
-    return a->near[i] ? square : square + fmax(products / weights, 0);
+    return weights > 0 ? fmax(products / weights - a->noise[i], 0) : 0;
 }
 
 static bool can_divide(const Adapting *a, uint32_t i)

@@ -18,7 +18,7 @@
 typedef struct {
     double   least_size;  /* no patch is divided whose edge is shorter than twice this; 0: none */
     uint32_t rays;        /* visibility rays per patch to lamps; 0: 64 */
-    uint32_t row_rays;    /* rays per row of the links, whose noise is no reason to divide; 0: 256 */
+    uint32_t row_rays;    /* per row of the links, whose noise is no reason to divide; 0: 256 */
     uint32_t seed;
     unsigned threads;
 } AdaptOptions;

@@ -13,7 +13,20 @@ typedef struct {
     uint32_t surface;
     float    s, t, weight;
     float    direct[2];
+    float    smooth;   /* other irradiance, see adapt_spread */
 } AdaptPoint;
+
+/* The points of a patch once more, coordinate by coordinate, and the light that sources bring. */
+typedef struct {
+    uint32_t count;
+    Vec3     origin;          /* the first point; coordinates are relative to it */
+    float    x[ADAPT_POINTS], y[ADAPT_POINTS], z[ADAPT_POINTS];
+    float    nx[ADAPT_POINTS], ny[ADAPT_POINTS], nz[ADAPT_POINTS];
+    float    weight[ADAPT_POINTS]; /* sum 1; 0 past count */
+    /* of sources near for their size, and of all others: share of the hemisphere, light */
+    float    near[ADAPT_POINTS], near_light[ADAPT_POINTS];
+    float    far[ADAPT_POINTS], far_light[ADAPT_POINTS];
+} AdaptField;
 
 /* What one thread needs. */
 typedef struct {
@@ -22,6 +35,7 @@ typedef struct {
     uint32_t     seed, rays;  /* rays: per point and half */
     RowCast      cast;        /* tells positions inside solids, where a patch has such */
     PatchPoint   at[ADAPT_POINTS];
+    AdaptField   field;
     uint32_t    *lamp;        /* [lamp_count]  lamps that the patch's row names */
     double      *cumulative;  /* [lamp_count]  and how much of its light comes from them */
     size_t       lamp_capacity, cumulative_capacity, lamp_count;
@@ -42,5 +56,13 @@ bool adapt_sampler_create(AdaptSampler *sampler, const Room *room, const Links *
 void adapt_sampler_clear(AdaptSampler *sampler);
 /* Fills up to ADAPT_POINTS points, those outside solids; returns how many. */
 uint32_t adapt_sample(AdaptSampler *sampler, uint32_t patch, AdaptPoint *point);
+
+/* Spreads a source that takes up `share` of the patch's view, with light B = `light`, over the points
+ * that adapt_sample chose last. */
+void adapt_spread(AdaptSampler *sampler, uint32_t source, double share, double light);
+/* Puts the light of all sources into the points: `mean` in the mean, with `escape` of the view
+ * dark. */
+void adapt_collect(AdaptSampler *sampler, double escape, double mean, uint32_t points,
+                   AdaptPoint *point);
 
 #endif

@@ -2,6 +2,7 @@
 /* radiosity/adapt_sample.c -- direct light at points of a patch, by visibility rays to the lamps
  * that its row of links names, each as often as it brings light, and to point lights. */
 #include <assert.h>
+#include <float.h>
 #include <math.h>
 
 #include "base/array.h"
@@ -200,10 +201,112 @@ static void light_from_points(AdaptSampler *s, const Light *light, uint32_t poin
     s->aimed = 0;
 }
 
+/* --- light spread over the points ------------------------------------------------------------- */
+
+/* Sources nearer than this (squared distance over their area) are taken in that many pieces each
+ * way. */
+static const double NEAR_DISTANCE = 4;
+enum { NEAR_PIECES = 4 };
+
+static void set_field(AdaptSampler *s, uint32_t points)
+{
+    AdaptField *f = &s->field;
+    double weights = 0;
+    *f = (AdaptField){ .count = points };
+    for (uint32_t k = 0; k < points; k++)
+        weights += s->at[k].weight;
+    for (uint32_t k = 0; k < points && weights > 0; k++) {
+        f->origin = s->at[0].point.point;
+        const Vec3 p = vec3_sub(s->at[k].point.point, f->origin), n = s->at[k].point.normal;
+        f->x[k] = (float)p.x;
+        f->y[k] = (float)p.y;
+        f->z[k] = (float)p.z;
+        f->nx[k] = (float)n.x;
+        f->ny[k] = (float)n.y;
+        f->nz[k] = (float)n.z;
+        f->weight[k] = (float)(s->at[k].weight / weights);
+    }
+}
+
+/* Adds what a disc of that area in the place of a source sends to the points:
+ * cos cos A / (pi d^2 + A) [wallace89]. */
+static void add_disc(const AdaptField *f, Vec3 centre, Vec3 normal, double disc, float *kernel)
+{
+    const Vec3 c = vec3_sub(centre, f->origin);
+    const float cx = (float)c.x, cy = (float)c.y, cz = (float)c.z, area = (float)disc;
+    const float mx = (float)normal.x, my = (float)normal.y, mz = (float)normal.z;
+    const float pi = (float)M_PI;
+    for (uint32_t k = 0; k < ADAPT_POINTS; k++) {
+        const float dx = cx - f->x[k], dy = cy - f->y[k], dz = cz - f->z[k];
+        const float square = dx * dx + dy * dy + dz * dz;
+        const float here = dx * f->nx[k] + dy * f->ny[k] + dz * f->nz[k];
+        const float there = -(dx * mx + dy * my + dz * mz);
+        const float cosines = (here > 0 ? here : 0) * (there > 0 ? there : 0);
+        kernel[k] += area * cosines / (square * (pi * square + area) + FLT_MIN);
+    }
+}
+
+/* A source that is near for its size, in pieces. */
+static void add_pieces(const AdaptSampler *s, uint32_t source, float *kernel)
+{
+    const Patches *patches = s->room->patches;
+    for (int k = 0; k < NEAR_PIECES * NEAR_PIECES; k++) {
+        PatchPoint at;
+        patches_point(patches, s->room->surfaces, source, (k % NEAR_PIECES + 0.5) / NEAR_PIECES,
+                      (k / NEAR_PIECES + 0.5) / NEAR_PIECES, &at);
+        add_disc(&s->field, at.point.point, at.point.normal,
+                 patches->area[source] * at.weight / (NEAR_PIECES * NEAR_PIECES), kernel);
+    }
+}
+
+void adapt_spread(AdaptSampler *s, uint32_t source, double share, double light)
+{
+    const Patches *patches = s->room->patches;
+    AdaptField *f = &s->field;
+    float kernel[ADAPT_POINTS] = { 0 }, mean = 0;
+    const Vec3 way = vec3_sub(patches->centre[source], f->origin);
+    const bool near = vec3_dot(way, way) < NEAR_DISTANCE * patches->area[source];
+    if (near)
+        add_pieces(s, source, kernel);
+    else
+        add_disc(f, patches->centre[source], patches->normal[source], patches->area[source],
+                 kernel);
+    for (uint32_t k = 0; k < ADAPT_POINTS; k++)
+        mean += f->weight[k] * kernel[k];
+    const float scale = mean > 0 ? (float)share / mean : 0, b = (float)light;
+    float *const shares = near ? f->near : f->far;
+    float *const lights = near ? f->near_light : f->far_light;
+    for (uint32_t k = 0; k < ADAPT_POINTS; k++) {
+        const float part = mean > 0 ? scale * kernel[k] : (float)share;
+        shares[k] += part;
+        lights[k] += part * b;
+    }
+}
+
+/* What is near hides what is far: the far sources and the dark share what the near ones leave. */
+void adapt_collect(AdaptSampler *s, double escape, double mean, uint32_t points, AdaptPoint *point)
+{
+    const AdaptField *f = &s->field;
+    double sum = 0;
+    for (uint32_t k = 0; k < points; k++) {
+        const double near = fmax((double)f->near[k], DBL_MIN), far = (double)f->far[k] + escape;
+        const double most = fmin(near, 1);
+        const double light = (double)f->near_light[k] * (most / near) +
+                             (far > 0 ? (double)f->far_light[k] * ((1 - most) / far) : 0);
+        point[k].smooth = (float)light;
+        sum += (double)f->weight[k] * light;
+    }
+    for (uint32_t k = 0; k < points; k++)
+        point[k].smooth = sum > 0 ? point[k].smooth * (float)(mean / sum) : (float)mean;
+}
+
+/* --- all of a patch --------------------------------------------------------------------------- */
+
 uint32_t adapt_sample(AdaptSampler *s, uint32_t patch, AdaptPoint *point)
 {
     const uint32_t n = choose_points(s, patch);
     assert(n <= ADAPT_POINTS);
+    set_field(s, n);
     s->spread = 0;
     s->open = true;
     for (uint32_t k = 0; k < n; k++)
