@@ -279,7 +279,7 @@ bool shells_find(const Surfaces *surfaces, uint8_t **shell, Error *err);
 
 /* Decides which sides emit; returns how many surfaces EMIT_AUTO turned. */
 bool sides_emission(const Surfaces *surfaces, const Bvh *bvh, const Material *materials,
-                    EmitSide emit, uint8_t *emitting, uint32_t *turned, const Monitor *monitor,
-                    Error *err);
+                    const SidesOptions *options, uint8_t *emitting, uint32_t *turned,
+                    const Monitor *monitor, Error *err);
 
 #endif

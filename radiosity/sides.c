@@ -57,8 +57,8 @@ bool sides_find(const Surfaces *surfaces, const Bvh *bvh, const Material *materi
         return false;
     assert(surfaces != NULL && bvh != NULL && options != NULL);
     assert(sides != NULL && emitting != NULL);
-    if (!sides_emission(surfaces, bvh, materials, options->emit, emitting, &report->lamps_turned,
-                        monitor, err))
+    if (!sides_emission(surfaces, bvh, materials, options, emitting, &report->lamps_turned, monitor,
+                        err))
         return false;
     bool any = options->eye_count > 0 || light_count > 0;
     for (uint32_t i = 0; i < surfaces->count && !any; i++)

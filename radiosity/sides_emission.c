@@ -18,6 +18,7 @@ typedef struct {
     const Surfaces *surfaces;
     const Bvh      *bvh;
     const Material *materials;
+    const SidesOptions *options;
     double          offset;
     uint8_t        *seen;    /* [surfaces]  belongs to a lamp looked at already */
     uint32_t       *member;  /* [surfaces]  the lamp being looked at */
@@ -77,22 +78,28 @@ static double lamp_extent(const LampSearch *search)
     return vec3_length(vec3_sub(hi, lo));
 }
 
+static void lamp_point(const LampSearch *search, uint32_t surface, unsigned side, const float x[2],
+                       SurfacePoint *at)
+{
+    double s = x[0], t = x[1];
+    if (search->surfaces->surface[surface].kind == SURFACE_TRIANGLE)
+        sampling_triangle(x[0], x[1], &s, &t);
+    surfaces_point(search->surfaces, surface, s, t, at);
+    at->normal = side == 0 ? at->normal : vec3_scale(at->normal, -1);
+}
+
 /* Whether all sample points of the lamp have a wall, no lamp, before them within `reach`. */
 static bool faces_wall(const LampSearch *search, unsigned side, double reach)
 {
     for (uint32_t k = 0; k < search->members; k++) {
         const uint32_t surface = search->member[k];
-        const bool triangle = search->surfaces->surface[surface].kind == SURFACE_TRIANGLE;
         for (uint32_t n = 0; n < POINTS; n++) {
             float x[2];
             SurfacePoint at;
             sampling_sobol2(n, 0, x);
-            double s = x[0], t = x[1];
-            if (triangle)
-                sampling_triangle(x[0], x[1], &s, &t);
-            surfaces_point(search->surfaces, surface, s, t, &at);
-            const Vec3 out = side == 0 ? at.normal : vec3_scale(at.normal, -1);
-            const Ray ray = ray_leaving(at.point, out, search->offset, out, (float)reach);
+            lamp_point(search, surface, side, x, &at);
+            const Ray ray = ray_leaving(at.point, at.normal, search->offset, at.normal,
+                                        (float)reach);
             Hit hit;
             if (!bvh_nearest(search->bvh, &ray, &hit))
                 return false;
@@ -104,11 +111,63 @@ static bool faces_wall(const LampSearch *search, unsigned side, double reach)
     return true;
 }
 
+/* A lamp in the plane of a ceiling, wound to face what is above it: nothing. Of the two sides of a
+ * lamp only one is meant then, unless an eye looks at the other. */
+static bool sees_eye(const LampSearch *search, const SurfacePoint *at)
+{
+    const SidesOptions *options = search->options;
+    const Vec3 from = vec3_mad(at->point, search->offset, at->normal);
+    for (size_t k = 0; k < options->eye_count; k++) {
+        const Vec3 way = vec3_sub(options->eye[k], from);
+        const Ray ray = { .ox = (float)from.x, .oy = (float)from.y, .oz = (float)from.z,
+                          .dx = (float)way.x, .dy = (float)way.y, .dz = (float)way.z, .t_max = 1 };
+        if (vec3_dot(way, at->normal) > 0 && !bvh_blocked(search->bvh, &ray))
+            return true;
+    }
+    return false;
+}
+
+/* Share of rays from a side of the lamp that meet something that is no lamp; 1 when an eye sees
+ * that side. Rays that are enough to tell are not cast. */
+static double meeting_share(const LampSearch *search, unsigned side, bool any)
+{
+    uint32_t met = 0;
+    for (uint32_t k = 0; k < search->members; k++)
+        for (uint32_t n = 0; n < POINTS; n++) {
+            float x[4];
+            SurfacePoint at;
+            Vec3 u, v;
+            sampling_sobol4(n, k, x);
+            lamp_point(search, search->member[k], side, x, &at);
+            const Vec3 local = sampling_cosine(x[2], x[3]);
+            vec3_frame(at.normal, &u, &v);
+            const Vec3 d = vec3_mad(vec3_mad(vec3_scale(at.normal, local.z), local.x, u),
+                                    local.y, v);
+            const Ray ray = ray_leaving(at.point, at.normal, search->offset, d, INFINITY);
+            Hit hit;
+            if (any && sees_eye(search, &at))
+                return 1;
+            if (!bvh_nearest(search->bvh, &ray, &hit))
+                continue;
+            if (any)
+                return 1;
+            const uint32_t other = surfaces_of_primitive(search->surfaces, hit.primitive);
+            met += !emits(search, other, 0) && !emits(search, other, 1);
+        }
+    return (double)met / (POINTS * search->members);
+}
+
+static bool faces_nothing(const LampSearch *search)
+{
+    return meeting_share(search, 0, true) == 0 && meeting_share(search, 1, false) > 0.5;
+}
+
 /* Decides for the lamp in `member`; returns whether it was turned. */
 static bool decide_auto(const LampSearch *search, uint8_t *emitting)
 {
     const double reach = HAIR * lamp_extent(search);
-    const bool turn = faces_wall(search, 0, reach) && !faces_wall(search, 1, reach);
+    const bool turn = (faces_wall(search, 0, reach) || faces_nothing(search))
+                   && !faces_wall(search, 1, reach);
     for (uint32_t k = 0; k < search->members; k++)
         emitting[search->member[k]] = turn ? 2 : 1;
     return turn;
@@ -143,16 +202,17 @@ static void decide_all(LampSearch *search, EmitSide emit, uint8_t *emitting, uin
     }
     if (*turned > 0)
         monitor_warn(monitor, "lamp-turned", name,
-                     "%u lamp surfaces face a wall a hair away: their light leaves the back "
-                     "instead (--emit front keeps it)", *turned);
+                     "%u lamp surfaces face a wall a hair away, or nothing at all: their light "
+                     "leaves the back instead (--emit front keeps it)", *turned);
 }
 
 bool sides_emission(const Surfaces *surfaces, const Bvh *bvh, const Material *materials,
-                    EmitSide emit, uint8_t *emitting, uint32_t *turned, const Monitor *monitor,
-                    Error *err)
+                    const SidesOptions *options, uint8_t *emitting, uint32_t *turned,
+                    const Monitor *monitor, Error *err)
 {
-    assert((unsigned)emit <= EMIT_BOTH && turned != NULL);
+    assert((unsigned)options->emit <= EMIT_BOTH && turned != NULL);
     LampSearch search = { .surfaces = surfaces, .bvh = bvh, .materials = materials,
+                          .options = options,
                           .offset = ray_offset(surfaces->largest_coordinate) };
     search.seen = array_create(surfaces->count, sizeof *search.seen, "the search for lamps", err);
     search.member =
@@ -160,7 +220,7 @@ bool sides_emission(const Surfaces *surfaces, const Bvh *bvh, const Material *ma
     const bool made = !error_is_set(err);
     *turned = 0;
     if (made)
-        decide_all(&search, emit, emitting, turned, monitor);
+        decide_all(&search, options->emit, emitting, turned, monitor);
     array_free(search.seen);
     array_free(search.member);
     return made;

@@ -184,6 +184,7 @@ static void test_lamp_turned(void **state)
         { 0.001, false, EMIT_BACK, BACK, false },
         { 0.2, false, EMIT_BOTH, BOTH, false },
         { 0, false, EMIT_AUTO, FRONT, false },     /* in the plane of the ceiling */
+        { 0, true, EMIT_AUTO, BACK, true },        /* and facing the world above it */
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         TestRoom r = { 0 };
@@ -240,6 +241,27 @@ static void test_box_lamp(void **state)
         assert_int_equal(sides_of(&r, lamp[k]), FRONT);
     }
     room_clear(&r);
+}
+
+/* A lamp that shines away from all else is turned, but not when an eye looks at it, nor a lamp all
+ * round, whose back sees only itself. */
+static void test_lamp_outside(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        TestRoom r = { 0 };
+        const Vec3 eye = { 0.5, 0.5, k == 1 ? 9 : 1.5 };
+        const uint32_t lamp = room_material(&r, 0, 1);
+        room_quad(&r, vec3(-9, -9, 0), vec3(20, 0, 0), vec3(0, 20, 0), room_material(&r, 0.5, 0),
+                  "ground");
+        if (k < 2)
+            room_quad(&r, vec3(0, 0, 3), vec3(1, 0, 0), vec3(0, 1, 0), lamp, "lamp");
+        else
+            room_box(&r, vec3(0, 0, 3), vec3(1, 1, 4), BOX_ALL, false, lamp, "lamp-");
+        find(&r, &(SidesOptions){ .eye = &eye, .eye_count = 1 }, NULL, 0, NULL);
+        assert_int_equal(emitting_of(&r, k < 2 ? "lamp" : "lamp-z1"), k == 0 ? BACK : FRONT);
+        room_clear(&r);
+    }
 }
 
 static void test_emits_both(void **state)
@@ -328,7 +350,7 @@ int main(void)
         cmocka_unit_test(test_lamp_turned),    cmocka_unit_test(test_lamp_in_hole),
         cmocka_unit_test(test_box_lamp),       cmocka_unit_test(test_emits_both),
         cmocka_unit_test(test_double_plate),   cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_memory),         cmocka_unit_test(test_lamp_outside),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
