@@ -38,8 +38,7 @@ void repair_tell(const Repair *repair, const Monitor *monitor)
         { DEFECT_DUPLICATE, false, "duplicate", "faces lie exactly on an earlier face" },
         { DEFECT_CROSSING, false, "polygon-crossing",
           "polygons have an outline that crosses itself; their filling is a guess" },
-        { DEFECT_NONMANIFOLD, true, "nonmanifold",
-          "edges have more than two faces; these were linked two and two" },
+        /* Bodies that touch along an edge are common and come out right: listed, not told. */
         { DEFECT_NONMANIFOLD, false, "nonmanifold",
           "edges have more than two faces; these were not linked there" },
         { DEFECT_WINDING, true, "winding-repaired",
