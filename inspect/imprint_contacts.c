@@ -138,7 +138,7 @@ bool imprint_contacts_find(const ImprintParts *parts, uint32_t index, ImprintCon
     const Box box = box_around(vec3_sub(part->lo, rim), vec3_add(part->hi, rim));
     const uint32_t met = box_tree_meet(&parts->tree, &box, 0, c->met, parts->count);
     for (uint32_t k = 0; k < met; k++) {
-        const ImprintPart *other = &parts->part[c->met[k]];
+        const ImprintPart *other = &parts->part[parts->tree.entry[c->met[k]].item];
         const Pairing pair = { parts, part, other, fmax(part->tolerance, other->tolerance) };
         if (other->face != part->face && !add_pair(c, &pair, err))
             return false;

@@ -51,7 +51,7 @@ typedef struct {
     uint32_t    *cover;      /* [cover_count]  parts that this one gives way to */
     uint32_t     cover_count;
     size_t       capacity, cover_capacity;
-    uint32_t    *met;        /* [parts]  scratch */
+    uint32_t    *met;        /* [parts]  entries of the tree; scratch */
 } ImprintContacts;
 
 /* imprint_contacts.c: all lines and covers of one part. */
