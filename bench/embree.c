@@ -104,9 +104,10 @@ static void single(const Job *job, const Ray *ray, uint32_t n, struct RTCInterse
                    Traced *sum)
 {
     for (uint32_t i = 0; i < n; i++) {
-        struct RTCRayHit h = { .ray = { .org_x = ray[i].ox, .org_y = ray[i].oy, .org_z = ray[i].oz,
-                                        .dir_x = ray[i].dx, .dir_y = ray[i].dy, .dir_z = ray[i].dz,
-                                        .tnear = ray[i].t_min, .tfar = ray[i].t_max, .mask = ~0u } };
+        struct RTCRayHit h = {
+            .ray = { .org_x = ray[i].ox, .org_y = ray[i].oy, .org_z = ray[i].oz,
+                     .dir_x = ray[i].dx, .dir_y = ray[i].dy, .dir_z = ray[i].dz,
+                     .tnear = ray[i].t_min, .tfar = ray[i].t_max, .mask = ~0u } };
         h.hit.geomID = h.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
         if (job->any) {
             rtcOccluded1(job->peer->scene, c, &h.ray);

@@ -252,8 +252,8 @@ static Settings read_options(int argc, char **argv)
         if (s.threads[i] > SUMS)
             s.threads[i] = SUMS;
     if (s.pairs < 1 || s.pairs > PAIRS_MAX || s.thread_counts == 0 || optind >= argc) {
-        fprintf(stderr, "usage: raybench [-j 1,2] [-n PAIRS] [-w hvp] [-o FILE] [-v] [-c] SCENE...\n"
-                        "SCENE: cornell, cornell100k, room or a file\n");
+        fprintf(stderr, "usage: raybench [-j 1,2] [-n PAIRS] [-w hvp] [-o FILE] [-v] [-c] "
+                        "SCENE...\nSCENE: cornell, cornell100k, room or a file\n");
         exit(2);
     }
     return s;

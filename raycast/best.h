@@ -51,8 +51,8 @@ static inline bool candidate_before(float t, uint32_t key, const Candidate *othe
     return t < other->t || (t == other->t && key < other->key);
 }
 
-/* Takes a hit with t > t_min when it may be the answer; whether it did. `reach`: how far behind another hit may be
- * and yet in the same place, at most. */
+/* Takes a hit with t > t_min when it may be the answer; whether it did. `reach`: how far behind
+ * another hit may be and yet in the same place, at most. */
 static inline bool best_offer(Best *best, float reach, const Candidate *hit)
 {
     Candidate *first = &best->first, *facing = &best->facing;

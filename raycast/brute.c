@@ -14,7 +14,8 @@ static void join(float lo[3], float hi[3], const float from[3], const float to[3
     }
 }
 
-/* The box that a tree would have: the margins of a probe come from it. */
+/* The box that a tree would have: the margins of a probe come from it. Asked for only where they
+ * matter, which is seldom. */
 static void scene_box(const Primitives *in, float lo[3], float hi[3])
 {
     bool any = false;
@@ -40,8 +41,12 @@ static void scene_box(const Primitives *in, float lo[3], float hi[3])
         lo[k] = hi[k] = 0;
 }
 
-static Best brute_trace(const Primitives *in, const Ray *ray, Probe *p)
+static Best brute_trace(const Primitives *in, const Ray *ray)
 {
+    static const float nothing[3] = { 0, 0, 0 };
+    Probe probe, *p = &probe;
+    probe_init(p, ray, nothing, nothing);
+    p->reach = INFINITY; /* nothing is cut off here */
     Best best = best_none(ray->t_max);
     for (uint32_t i = 0; i < in->triangle_count; i++) {
         float corner[3][3], seen[3][3];
@@ -57,12 +62,15 @@ static Best brute_trace(const Primitives *in, const Ray *ray, Probe *p)
     return best;
 }
 
-static const Candidate *choose(const Primitives *in, const Ray *ray, const Probe *p,
-                               const Best *best)
+static const Candidate *choose(const Primitives *in, const Ray *ray, const Best *best)
 {
     const uint32_t primitive = best->first.key & ~BEST_BACK;
     if (!best_is_open(best))
         return &best->first;
+    float lo[3], hi[3];
+    Probe probe, *p = &probe;
+    scene_box(in, lo, hi);
+    probe_init(p, ray, lo, hi);
     if (primitive >= in->triangle_count)
         return best_choose(best, p, ray, shape_normal(&in->shape[primitive - in->triangle_count],
                                                       (double)best->first.u,
@@ -80,12 +88,8 @@ bool brute_nearest(const Primitives *primitives, const Ray *ray, Hit *hit)
     *hit = (Hit){ .t = ray->t_max, .primitive = RAY_MISS };
     if (!probe_takes(ray) && !ray_rescale(ray, &scaled, &exponent))
         return false;
-    float lo[3], hi[3];
-    Probe p;
-    scene_box(primitives, lo, hi);
-    probe_init(&p, &scaled, lo, hi);
-    const Best best = brute_trace(primitives, &scaled, &p);
-    if (!best_to_hit(&best, choose(primitives, &scaled, &p, &best), hit))
+    const Best best = brute_trace(primitives, &scaled);
+    if (!best_to_hit(&best, choose(primitives, &scaled, &best), hit))
         return false;
     return exponent == 0 || hit_rescale(hit, exponent);
 }

@@ -112,6 +112,9 @@ const char *bvh_isa(const Bvh *bvh)
     return bvh->kernel->name;
 }
 
+/* Fewer rays than this are not worth sorting. */
+#define SORT_LEAST 64u
+
 /* --- queries --------------------------------------------------------------------------------- */
 
 bool bvh_nearest(const Bvh *bvh, const Ray *ray, Hit *hit)
@@ -126,34 +129,41 @@ bool bvh_blocked(const Bvh *bvh, const Ray *ray)
     return bvh->kernel->blocked(bvh, ray);
 }
 
+/* Without memory to sort in rays are traced as they come: slower, the same answers. */
+static Sorter *sorter_create(const Bvh *bvh, size_t count)
+{
+    Error none = { 0 };
+    return bvh->kernel->keys != NULL && count >= SORT_LEAST
+               ? array_create(1, sizeof(Sorter), "order of rays", &none)
+               : NULL;
+}
+
 void bvh_nearest_many(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count)
 {
     assert(bvh != NULL && (count == 0 || (ray != NULL && hit != NULL)));
-    if (!bvh->kernel->packets) {
-        bvh->kernel->nearest_many(bvh, ray, NULL, count, hit);
-        return;
-    }
+    Sorter *sorter = sorter_create(bvh, count);
     for (size_t begin = 0; begin < count; begin += SORT_MOST) {
-        uint32_t order[SORT_MOST];
         const size_t n = count - begin < SORT_MOST ? count - begin : SORT_MOST;
-        rays_sort(bvh, ray + begin, n, order);
-        bvh->kernel->nearest_many(bvh, ray + begin, order, n, hit + begin);
+        if (sorter != NULL)
+            rays_sort(sorter, bvh, ray + begin, n);
+        bvh->kernel->nearest_many(bvh, ray + begin, sorter != NULL ? sorter->order : NULL, n,
+                                  hit + begin);
     }
+    array_free(sorter);
 }
 
 void bvh_blocked_many(const Bvh *bvh, const Ray *ray, bool *blocked, size_t count)
 {
     assert(bvh != NULL && (count == 0 || (ray != NULL && blocked != NULL)));
-    if (!bvh->kernel->packets) {
-        bvh->kernel->blocked_many(bvh, ray, NULL, count, blocked);
-        return;
-    }
+    Sorter *sorter = sorter_create(bvh, count);
     for (size_t begin = 0; begin < count; begin += SORT_MOST) {
-        uint32_t order[SORT_MOST];
         const size_t n = count - begin < SORT_MOST ? count - begin : SORT_MOST;
-        rays_sort(bvh, ray + begin, n, order);
-        bvh->kernel->blocked_many(bvh, ray + begin, order, n, blocked + begin);
+        if (sorter != NULL)
+            rays_sort(sorter, bvh, ray + begin, n);
+        bvh->kernel->blocked_many(bvh, ray + begin, sorter != NULL ? sorter->order : NULL, n,
+                                  blocked + begin);
     }
+    array_free(sorter);
 }
 
 void bvh_nearest_beam(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count)

@@ -47,8 +47,9 @@ typedef struct {
 } BvhStats;
 void bvh_stats(const Bvh *bvh, BvhStats *stats);
 
-/* The kernel that walks this tree: "avx512", "avx2", "sse2" or "scalar"; the best the processor has, unless
- * the environment variable ISOLUX_ISA named one when the tree was made. All answer alike. */
+/* The kernel that walks this tree: "avx512", "avx2", "sse2" or "scalar"; the best the processor
+ * has, unless the environment variable ISOLUX_ISA named one when the tree was made. All answer
+ * alike. */
 const char *bvh_isa(const Bvh *bvh);
 
 /* Nearest hit: true and *hit; else false and hit->primitive = RAY_MISS.
@@ -62,9 +63,8 @@ bool bvh_blocked(const Bvh *bvh, const Ray *ray);
 /* The same for many rays at once. They are sorted by direction and origin in blocks of up to
  * BVH_BLOCK, so that those that go the same way are traced together: hand over the rays of a whole
  * tile of neighbouring patches, in their order, rather than patch by patch. Answers are in the
- * caller's order and do not depend on the grouping.
- * stack  some 200 kB. */
-#define BVH_BLOCK 16384u
+ * caller's order and do not depend on the grouping. A call borrows about 1 MB. */
+#define BVH_BLOCK 65536u
 void bvh_nearest_many(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count);
 void bvh_blocked_many(const Bvh *bvh, const Ray *ray, bool *blocked, size_t count);
 

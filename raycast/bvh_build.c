@@ -5,6 +5,7 @@
  * tasks depend on the input alone, so the tree does not depend on the number of threads. */
 #include <assert.h>
 #include <string.h>
+#include <sys/mman.h>
 
 #include "base/array.h"
 #include "raycast/build.h"
@@ -13,6 +14,7 @@
 #define TASK_REFS_MIN 2048u
 #define TASKS_WANTED 64u /* several per thread, so that unequal ones even out */
 #define TREE_ALIGNMENT 64u /* a cache line */
+#define LARGE_PAGE ((uintptr_t)2 << 20)
 
 /* While the tree is in parts: a child that is a task. Nodes are fewer than 2^30. */
 #define CHILD_TASK (UINT32_C(1) << 30)
@@ -286,6 +288,20 @@ static void task_move(void *context, uint32_t begin, uint32_t end, unsigned work
         part_move(c->bvh, &c->task[i].part, NULL, c->task[i].node_base, c->task[i].group_base);
 }
 
+/* Rays jump all over a large tree: with small pages the way to each place is looked up each time.
+ * Where the system has no large pages to give, nothing changes. */
+static void pages_enlarge(void *memory, size_t bytes)
+{
+#ifdef MADV_HUGEPAGE
+    const uintptr_t from = ((uintptr_t)memory + LARGE_PAGE - 1) / LARGE_PAGE * LARGE_PAGE;
+    const uintptr_t to = ((uintptr_t)memory + bytes) / LARGE_PAGE * LARGE_PAGE;
+    if (from < to)
+        madvise((void *)from, to - from, MADV_HUGEPAGE);
+#else
+    (void)memory, (void)bytes;
+#endif
+}
+
 /* One block: nodes, groups, shapes, from a cache line's start. */
 static bool tree_reserve(Bvh *bvh, const Primitives *in, size_t nodes, size_t groups, Error *err)
 {
@@ -297,6 +313,7 @@ static bool tree_reserve(Bvh *bvh, const Primitives *in, size_t nodes, size_t gr
     bvh->memory = array_create(bvh->bytes, 1, "tree of boxes", err);
     if (bvh->memory == NULL)
         return false;
+    pages_enlarge(bvh->memory, bvh->bytes);
     const uintptr_t at = (uintptr_t)bvh->memory;
     char *p = (char *)bvh->memory + (TREE_ALIGNMENT - at % TREE_ALIGNMENT) % TREE_ALIGNMENT;
     bvh->node = (Node *)(void *)p;

@@ -60,9 +60,10 @@ static inline uint32_t child_shape_index(uint32_t child) { return child & ~CHILD
 #define BVH_DEPTH (BVH_DEPTH_FREE + 32u)
 #define BVH_STACK (BVH_DEPTH * (NODE_WIDTH - 1) + NODE_WIDTH + 1)
 
+typedef struct Cells Cells; /* sort.h */
+
 typedef struct {
     const char *name;
-    bool packets; /* the calls for many rays gain when neighbours are alike */
     bool (*nearest)(const Bvh *bvh, const Ray *ray, Hit *hit);
     bool (*blocked)(const Bvh *bvh, const Ray *ray);
     /* Rays order[0..count-1], or 0..count-1 when `order` is NULL; answers at the same numbers. */
@@ -70,6 +71,13 @@ typedef struct {
                          Hit *hit);
     void (*blocked_many)(const Bvh *bvh, const Ray *ray, const uint32_t *order, size_t count,
                          bool *blocked);
+    /* The same for rays that have nothing in common. */
+    void (*nearest_apart)(const Bvh *bvh, const Ray *ray, const uint32_t *order, size_t count,
+                          Hit *hit);
+    void (*blocked_apart)(const Bvh *bvh, const Ray *ray, const uint32_t *order, size_t count,
+                          bool *blocked);
+    /* Of rays to be sorted; NULL: the calls above do not gain when neighbours are alike. */
+    void (*keys)(const Cells *cells, const Ray *ray, size_t count, uint32_t *key);
 } Kernel;
 
 struct Bvh {

@@ -80,4 +80,61 @@ LANES_INLINE unsigned doubles_less_equal(Doubles a, Doubles b)
     return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ);
 }
 
+/* Eight rows of eight floats become eight columns. */
+LANES_INLINE void eight_turned(const float *const row[8], __m256 column[8])
+{
+    __m256 r[8], s[8];
+    for (int i = 0; i < 8; i++)
+        r[i] = _mm256_loadu_ps(row[i]);
+    for (int i = 0; i < 8; i += 2) {
+        s[i] = _mm256_unpacklo_ps(r[i], r[i + 1]);
+        s[i + 1] = _mm256_unpackhi_ps(r[i], r[i + 1]);
+    }
+    for (int i = 0; i < 8; i += 4)
+        for (int j = 0; j < 2; j++) {
+            r[i + 2 * j] = _mm256_shuffle_ps(s[i + j], s[i + j + 2], 0x44);
+            r[i + 2 * j + 1] = _mm256_shuffle_ps(s[i + j], s[i + j + 2], 0xee);
+        }
+    for (int i = 0; i < 4; i++) {
+        column[i] = _mm256_permute2f128_ps(r[i], r[i + 4], 0x20);
+        column[i + 4] = _mm256_permute2f128_ps(r[i], r[i + 4], 0x31);
+    }
+}
+
+/* The eight floats at row[0], row[1] ... of all lanes: field k of every lane. */
+LANES_INLINE void floats_fields(const float *const row[LANES], Floats field[8])
+{
+    __m256 low[8], high[8];
+    eight_turned(row, low);
+    eight_turned(row + 8, high);
+    for (int k = 0; k < 8; k++)
+        field[k] = _mm512_insertf32x8(_mm512_castps256_ps512(low[k]), high[k], 1);
+}
+
+/* Four words a lane, a b c d, written to where out[] points, for the lanes of `mask`. */
+LANES_INLINE void floats_scatter(float *const out[LANES], unsigned mask, Floats a, Floats b,
+                                 Floats c, Floats d)
+{
+    const Floats ab = _mm512_unpacklo_ps(a, b), cd = _mm512_unpacklo_ps(c, d);
+    const Floats ef = _mm512_unpackhi_ps(a, b), gh = _mm512_unpackhi_ps(c, d);
+    const Floats row[4] = { _mm512_shuffle_ps(ab, cd, 0x44), _mm512_shuffle_ps(ab, cd, 0xee),
+                            _mm512_shuffle_ps(ef, gh, 0x44), _mm512_shuffle_ps(ef, gh, 0xee) };
+    _Alignas(64) float all[4][LANES];
+    for (int i = 0; i < 4; i++)
+        floats_store(all[i], row[i]);
+    for (; mask != 0; mask &= mask - 1) {
+        const int i = __builtin_ctz(mask);
+        _mm_storeu_ps(out[i], _mm_load_ps(&all[i & 3][i & ~3]));
+    }
+}
+
+LANES_INLINE Words words_without(Words a, uint32_t bits)
+{
+    return _mm512_andnot_si512(_mm512_set1_epi32((int)bits), a);
+}
+LANES_INLINE Words words_of(Floats a) { return _mm512_cvttps_epi32(a); } /* towards 0 */
+LANES_INLINE Words words_min(Words a, Words b) { return _mm512_min_epi32(a, b); }
+LANES_INLINE Words words_max(Words a, Words b) { return _mm512_max_epi32(a, b); }
+LANES_INLINE Floats floats_bits(Words a) { return _mm512_castsi512_ps(a); }
+
 #endif

@@ -11,8 +11,19 @@
 #ifndef RAYCAST_PACKET_H
 #define RAYCAST_PACKET_H
 
+#include "raycast/sort.h"
+
 /* Up to so many rays go on alone: then a node costs a packet more than the rays. */
 #define PACKET_ALONE (LANES / 4)
+/* Subtrees that wait, at most: enough to have work while memory is on its way, few enough that
+ * what is met there still cuts off what the packet would visit next. */
+#define PACKET_TASKS STREAM_RAYS
+
+/* Rays are tried in packets at the start of each stretch. A subtree walked alone costs a ray about
+ * what it would cost without the packet; from one and a half of them the packet is in vain. */
+#define STRETCH 4096u
+#define STRETCH_TRIAL 256u
+#define STRETCH_ALONE (STRETCH_TRIAL * 3 / 2)
 
 typedef struct {
     /* of each ray, as in Probe; origin and shear along axis[] */
@@ -29,13 +40,16 @@ typedef struct {
     bool     backward;    /* directions along axis[2] are negative */
     float    t_min_least;
     float    near_origin[3], far_origin[3], inverse_from[3], inverse_to[3];
-    unsigned probes;      /* lanes whose probe is made */
-    Probe    probe[LANES];
+    /* subtrees that few rays reach wait here until there are enough to be walked in turns */
+    unsigned probes;      /* lanes whose walker has its probe */
+    unsigned waiting;     /* lanes with something to visit */
+    unsigned tasks, alone; /* subtrees that wait; all that ever waited */
+    Walker   walker[LANES];
 } Packet;
 
 /* The rays as they come: field by field. */
 typedef struct {
-    _Alignas(64) float field[8][LANES]; /* o x y z, t_min, d x y z, t_max */
+    Floats     field[8]; /* o x y z, t_min, d x y z, t_max */
     const Ray *ray[LANES];
 } Bundle;
 
@@ -64,8 +78,8 @@ LANES_INLINE void packet_init(Packet *p, const Bvh *bvh, const Bundle *b, unsign
 {
     Floats o[3], d[3], reach[3], margin[3];
     for (int k = 0; k < 3; k++) {
-        o[k] = floats_load(b->field[k]);
-        d[k] = floats_load(b->field[4 + k]);
+        o[k] = b->field[k];
+        d[k] = b->field[4 + k];
         reach[k] = floats_max(floats_abs(floats_all(bvh->lo[k]) - o[k]),
                               floats_abs(floats_all(bvh->hi[k]) - o[k]));
     }
@@ -80,7 +94,7 @@ LANES_INLINE void packet_init(Packet *p, const Bvh *bvh, const Bundle *b, unsign
         p->near_add[k] = -at - wider;
         p->far_add[k] = wider - at;
     }
-    p->t_min = floats_load(b->field[3]);
+    p->t_min = b->field[3];
     p->origin[0] = o[x];
     p->origin[1] = o[y];
     p->origin[2] = o[z];
@@ -93,11 +107,11 @@ LANES_INLINE void packet_init(Packet *p, const Bvh *bvh, const Bundle *b, unsign
     packet_bounds(p, lanes, o, margin);
 
     const Floats none = floats_all(0);
-    p->t = p->facing_t = p->limit = floats_load(b->field[7]);
+    p->t = p->facing_t = p->limit = b->field[7];
     p->u = p->v = p->facing_u = p->facing_v = none;
     p->key = p->facing_key = words_all(0);
     p->place = p->facing_place = words_all(BEST_NOWHERE);
-    p->front = p->back = p->blocked = p->probes = 0;
+    p->front = p->back = p->blocked = p->probes = p->waiting = p->tasks = p->alone = 0;
 }
 
 /* --- one ray of the packet alone ------------------------------------------------------------- */
@@ -137,24 +151,68 @@ static __attribute__((noinline)) void packet_take(Packet *p, unsigned lane, cons
         *(best->first.key & BEST_BACK ? &p->back : &p->front) |= bit;
 }
 
-/* The subtree below `child` for each of `lanes`. */
-LANES_INLINE void packet_alone(Packet *p, const Bvh *bvh, const Bundle *b, uint32_t child,
-                               unsigned lanes, bool any)
+/* Walks the subtrees that wait, ray by ray in turns. */
+static __attribute__((noinline)) void packet_walk_alone(Packet *p, const Bvh *bvh, const Bundle *b,
+                                                        bool any)
 {
-    for (; lanes != 0; lanes &= lanes - 1) {
-        const unsigned lane = (unsigned)__builtin_ctz(lanes), bit = 1u << lane;
+    unsigned lane[LANES], walking = 0;
+    for (unsigned left = p->waiting; left != 0; left &= left - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(left), bit = 1u << i;
+        Walker *w = &p->walker[i];
         if ((p->probes & bit) == 0) {
-            probe_init(&p->probe[lane], b->ray[lane], bvh->lo, bvh->hi);
+            w->ray = b->ray[i];
+            probe_init(&w->probe, w->ray, bvh->lo, bvh->hi);
             p->probes |= bit;
         }
-        Best best = packet_best(p, lane);
-        tree_walk(bvh, b->ray[lane], &p->probe[lane], child, any, &best);
-        if (!any) {
-            packet_take(p, lane, &best);
-        } else if (best_found(&best)) {
-            p->blocked |= bit;
-            LANE_SET(p->limit, float, lane, -INFINITY);
+        w->best = packet_best(p, i);
+        /* They came near ones first: the stack has those on top. */
+        for (uint32_t from = 0, to = w->top - 1; from < to; from++, to--) {
+            const uint32_t child = w->child[from];
+            const float near = w->near[from];
+            w->child[from] = w->child[to];
+            w->near[from] = w->near[to];
+            w->child[to] = child;
+            w->near[to] = near;
         }
+        if (walker_pop(w, bvh))
+            lane[walking++] = i;
+        else
+            w->top = 0;
+    }
+    p->waiting = p->tasks = 0;
+    while (walking > 0)
+        for (unsigned k = 0; k < walking; k++) {
+            const unsigned i = lane[k];
+            Walker *w = &p->walker[i];
+            if (walker_step(w, bvh, any))
+                continue;
+            w->top = 0;
+            if (!any) {
+                packet_take(p, i, &w->best);
+            } else if (best_found(&w->best)) {
+                p->blocked |= 1u << i;
+                LANE_SET(p->limit, float, i, -INFINITY);
+            }
+            lane[k--] = lane[--walking];
+        }
+}
+
+/* The subtree below `child` is for each of `lanes` alone. */
+LANES_INLINE void packet_alone(Packet *p, const Bvh *bvh, const Bundle *b, uint32_t child,
+                               const Floats *near, unsigned lanes, bool any)
+{
+    child_prefetch(bvh, child);
+    for (; lanes != 0; lanes &= lanes - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(lanes), bit = 1u << i;
+        Walker *w = &p->walker[i];
+        if ((p->waiting & bit) == 0)
+            w->top = 0;
+        p->waiting |= bit;
+        w->near[w->top] = LANE_OF(*near, float, i);
+        w->child[w->top++] = child;
+        p->alone++;
+        if (++p->tasks == PACKET_TASKS)
+            packet_walk_alone(p, bvh, b, any);
     }
 }
 
@@ -308,17 +366,17 @@ LANES_INLINE unsigned packet_slots(const Packet *p, const Node *node, float t_li
 }
 
 typedef struct {
-    Floats   near[BVH_STACK]; /* infinite in lanes that do not go there */
+    Floats   near[BVH_STACK]; /* NaN in lanes that do not go there: no limit is behind it */
     uint32_t child[BVH_STACK];
     uint32_t top;
 } PacketStack;
 
 /* Pushes the children that rays of `lanes` reach, far ones first. */
-LANES_INLINE void packet_push(const Packet *p, const Node *node, unsigned lanes,
+LANES_INLINE void packet_push(const Packet *p, const Bvh *bvh, const Node *node, unsigned lanes,
                               PacketStack *stack)
 {
-    const Floats outside = floats_all(INFINITY);
-    const float most = floats_most(floats_pick(lanes, p->limit, -outside));
+    const Floats outside = floats_all(NAN);
+    const float most = floats_most(floats_pick(lanes, p->limit, floats_all(-INFINITY)));
     unsigned slots = packet_slots(p, node, most);
     Floats inverse[3], near_add[3], far_add[3];
     for (int k = 0; k < 3; k++) {
@@ -341,6 +399,8 @@ LANES_INLINE void packet_push(const Packet *p, const Node *node, unsigned lanes,
         stack->near[stack->top] = floats_pick(hit, t0, outside);
         stack->child[stack->top] = node->child[s];
         stack->top += hit != 0;
+        if (hit != 0)
+            child_prefetch(bvh, node->child[s]);
     }
 }
 
@@ -349,23 +409,26 @@ LANES_INLINE void packet_walk(Packet *p, const Bvh *bvh, const Bundle *b, unsign
     PacketStack stack;
     stack.top = 1;
     stack.child[0] = 0;
-    stack.near[0] = floats_pick(lanes, p->t_min, floats_all(INFINITY));
-    while (stack.top > 0) {
+    stack.near[0] = floats_pick(lanes, p->t_min, floats_all(NAN));
+    while (stack.top > 0 || p->tasks > 0) {
+        if (stack.top == 0) {
+            packet_walk_alone(p, bvh, b, any);
+            continue;
+        }
         stack.top--;
         /* Not <: an equally near hit that comes before may be in there. */
         unsigned here = floats_less_equal(stack.near[stack.top], p->limit);
         if (any)
             here &= ~p->blocked;
-        here &= lanes; /* the others' near and limit may both be infinite */
         const uint32_t child = stack.child[stack.top];
         if (here == 0)
             continue;
         if ((unsigned)__builtin_popcount(here) <= PACKET_ALONE || child_is_shape(child))
-            packet_alone(p, bvh, b, child, here, any);
+            packet_alone(p, bvh, b, child, &stack.near[stack.top], here, any);
         else if (child_is_leaf(child))
             packet_leaf(p, bvh, child, here, any);
         else
-            packet_push(p, &bvh->node[child], here, &stack);
+            packet_push(p, bvh, &bvh->node[child], here, &stack);
         if (any && (lanes & ~p->blocked) == 0)
             return;
     }
@@ -377,8 +440,8 @@ LANES_INLINE void packet_walk(Packet *p, const Bvh *bvh, const Bundle *b, unsign
 LANES_INLINE unsigned packet_kind(Packet *p, const Bundle *b, unsigned lanes)
 {
     const unsigned first = (unsigned)__builtin_ctz(lanes);
-    const Floats d[3] = { floats_load(b->field[4]), floats_load(b->field[5]),
-                          floats_load(b->field[6]) };
+    const Floats d[3] = { b->field[4], b->field[5],
+                          b->field[6] };
     p->octant = 0;
     unsigned alike = lanes;
     for (unsigned k = 0; k < 3; k++) {
@@ -398,57 +461,56 @@ LANES_INLINE unsigned packet_kind(Packet *p, const Bundle *b, unsigned lanes)
     return alike & on[axis];
 }
 
+/* Returns the lanes that probe_init can take and that have a range at all. */
 LANES_INLINE unsigned bundle_fill(Bundle *b, const Ray *ray, const uint32_t *order, size_t count)
 {
-    unsigned good = 0;
     for (unsigned i = 0; i < LANES; i++) {
         const size_t at = i < count ? i : 0;
-        const Ray *r = &ray[order != NULL ? order[at] : at];
-        const float field[8] = { r->ox, r->oy, r->oz, r->t_min, r->dx, r->dy, r->dz, r->t_max };
-        b->ray[i] = r;
-        for (int k = 0; k < 8; k++)
-            b->field[k][i] = field[k];
+        b->ray[i] = &ray[order != NULL ? order[at] : at];
     }
-    const Floats length = floats_abs(floats_load(b->field[4])) + floats_abs(floats_load(b->field[5]))
-                          + floats_abs(floats_load(b->field[6]));
-    const Floats reach = floats_abs(floats_load(b->field[0])) + floats_abs(floats_load(b->field[1]))
-                         + floats_abs(floats_load(b->field[2]));
-    good = floats_less_equal(floats_all(PROBE_LENGTH_MIN), length)
-           & floats_less_equal(length, floats_all(PROBE_LENGTH_MAX))
-           & floats_less_equal(reach, floats_all(PROBE_COORDINATE_MAX))
-           & floats_less_equal(floats_load(b->field[3]), floats_load(b->field[7]));
+    floats_fields((const float *const *)(const void *)b->ray, b->field);
+    const Floats length = floats_abs(b->field[4]) + floats_abs(b->field[5])
+                          + floats_abs(b->field[6]);
+    const Floats reach = floats_abs(b->field[0]) + floats_abs(b->field[1])
+                         + floats_abs(b->field[2]);
+    const unsigned good = floats_less_equal(floats_all(PROBE_LENGTH_MIN), length)
+                          & floats_less_equal(length, floats_all(PROBE_LENGTH_MAX))
+                          & floats_less_equal(reach, floats_all(PROBE_COORDINATE_MAX))
+                          & floats_less_equal(b->field[3], b->field[7]);
     return count < LANES ? good & ((1u << count) - 1) : good;
 }
 
-static void packet_answers(Packet *p, const Bvh *bvh, const Bundle *b, unsigned lanes, Hit *hit,
-                           const uint32_t *order)
+LANES_INLINE void packet_answers(Packet *p, const Bvh *bvh, const Bundle *b, unsigned lanes,
+                                 Hit *hit, const uint32_t *order)
 {
     const unsigned found = p->front | p->back;
-    const unsigned open = p->back & floats_less_equal(p->facing_t, p->limit);
     const Floats zero = floats_all(0);
-    p->u = p->u + zero;
-    p->v = p->v + zero;
-    for (; lanes != 0; lanes &= lanes - 1) {
-        const unsigned i = (unsigned)__builtin_ctz(lanes);
-        Hit *h = &hit[order != NULL ? order[i] : i];
-        *h = (Hit){ LANE_OF(p->t, float, i), LANE_OF(p->u, float, i), LANE_OF(p->v, float, i),
-                    found >> i & 1 ? LANE_OF(p->key, uint32_t, i) & ~BEST_BACK : RAY_MISS };
-        if (__builtin_expect(open >> i & 1, 0)) {
-            const Best best = packet_best(p, i);
-            Probe probe;
-            probe_init(&probe, b->ray[i], bvh->lo, bvh->hi);
-            if (best_is_open(&best))
-                best_to_hit(&best, first_or_facing(bvh, b->ray[i], &probe, &best), h);
-        }
+    const Words primitive = words_pick(found, words_without(p->key, BEST_BACK),
+                                       words_all(RAY_MISS));
+    Hit *out[LANES];
+    for (unsigned i = 0; i < LANES; i++)
+        out[i] = &hit[order != NULL ? order[lanes >> i & 1 ? i : 0] : i];
+    floats_scatter((float *const *)(void *)out, lanes, p->t, p->u + zero, p->v + zero,
+                   floats_bits(primitive));
+    unsigned open = lanes & p->back & floats_less_equal(p->facing_t, p->limit);
+    for (; __builtin_expect(open != 0, 0); open &= open - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(open);
+        const Best best = packet_best(p, i);
+        Probe probe;
+        probe_init(&probe, b->ray[i], bvh->lo, bvh->hi);
+        if (best_is_open(&best))
+            best_to_hit(&best, first_or_facing(bvh, b->ray[i], &probe, &best), out[i]);
     }
 }
 
-/* The next up to LANES rays; `order` NULL: one after the other. */
-LANES_INLINE void packet_some(const Bvh *bvh, const Ray *ray, const uint32_t *order, size_t count,
-                              Hit *hit, bool *blocked)
+/* The next up to LANES rays; `order` NULL: one after the other. Returns how many subtrees were
+ * walked by one ray alone. */
+LANES_INLINE unsigned packet_some(const Bvh *bvh, const Ray *ray, const uint32_t *order,
+                                  size_t count, Hit *hit, bool *blocked)
 {
     Bundle b;
     Packet p;
+    unsigned alone = 0;
     const unsigned all = count < LANES ? (1u << count) - 1 : (unsigned)((UINT64_C(1) << LANES) - 1);
     const unsigned good = bundle_fill(&b, ray, order, count);
     for (unsigned left = good; left != 0;) {
@@ -456,6 +518,7 @@ LANES_INLINE void packet_some(const Bvh *bvh, const Ray *ray, const uint32_t *or
         left &= ~lanes;
         packet_init(&p, bvh, &b, lanes);
         packet_walk(&p, bvh, &b, lanes, hit == NULL);
+        alone += p.alone;
         if (hit != NULL)
             packet_answers(&p, bvh, &b, lanes, hit, order);
         else
@@ -468,26 +531,112 @@ LANES_INLINE void packet_some(const Bvh *bvh, const Ray *ray, const uint32_t *or
         const unsigned i = (unsigned)__builtin_ctz(odd);
         const uint32_t at = order != NULL ? order[i] : i;
         Hit one;
-        const bool found = nearest_odd(bvh, &ray[at], hit != NULL ? &hit[at] : &one);
+        const bool found = nearest_one(bvh, &ray[at], hit != NULL ? &hit[at] : &one);
         if (hit == NULL)
             blocked[at] = found;
+    }
+    return alone;
+}
+
+/* Rays order[begin..end-1] in packets; subtrees walked alone. */
+LANES_INLINE unsigned packet_run(const Bvh *bvh, const Ray *ray, const uint32_t *order,
+                                 size_t begin, size_t end, Hit *hit, bool *blocked)
+{
+    unsigned alone = 0;
+    for (size_t i = begin; i < end; i += LANES) {
+        if (order == NULL) {
+            alone += packet_some(bvh, ray + i, NULL, end - i, hit != NULL ? hit + i : NULL,
+                                 hit != NULL ? NULL : blocked + i);
+            continue;
+        }
+        for (size_t j = i + 2 * LANES; j < i + 3 * LANES && j < end; j++) {
+            const uint32_t soon = order[j];
+            __builtin_prefetch(&ray[soon]);
+            __builtin_prefetch(hit != NULL ? (const void *)&hit[soon]
+                                           : (const void *)&blocked[soon], 1);
+        }
+        alone += packet_some(bvh, ray, order + i, end - i, hit, blocked);
+    }
+    return alone;
+}
+
+/* Where the first rays of a stretch went their own ways, the rest of it is traced one by one. */
+LANES_INLINE void packets_trace(const Bvh *bvh, const Ray *ray, const uint32_t *order,
+                                size_t count, Hit *hit, bool *blocked)
+{
+    for (size_t i = 0; i < count; i += STRETCH) {
+        const size_t end = count - i < STRETCH ? count : i + STRETCH;
+        const size_t trial = end - i < STRETCH_TRIAL ? end : i + STRETCH_TRIAL;
+        const unsigned alone = packet_run(bvh, ray, order, i, trial, hit, blocked);
+        if (trial == end)
+            continue;
+        if (alone <= STRETCH_ALONE)
+            packet_run(bvh, ray, order, trial, end, hit, blocked);
+        else if (order != NULL)
+            stream_trace(bvh, ray, order + trial, end - trial, hit, blocked);
+        else
+            stream_trace(bvh, ray + trial, NULL, end - trial, hit != NULL ? hit + trial : NULL,
+                         hit != NULL ? NULL : blocked + trial);
     }
 }
 
 static void packets_nearest(const Bvh *bvh, const Ray *ray, const uint32_t *order, size_t count,
                             Hit *hit)
 {
-    for (size_t i = 0; i < count; i += LANES)
-        packet_some(bvh, order != NULL ? ray : ray + i, order != NULL ? order + i : NULL, count - i,
-                    order != NULL ? hit : hit + i, NULL);
+    packets_trace(bvh, ray, order, count, hit, NULL);
 }
 
 static void packets_blocked(const Bvh *bvh, const Ray *ray, const uint32_t *order, size_t count,
                             bool *blocked)
 {
-    for (size_t i = 0; i < count; i += LANES)
-        packet_some(bvh, order != NULL ? ray : ray + i, order != NULL ? order + i : NULL, count - i,
-                    NULL, order != NULL ? blocked : blocked + i);
+    packets_trace(bvh, ray, order, count, NULL, blocked);
+}
+
+/* --- sorting --------------------------------------------------------------------------------- */
+
+/* Keys of LANES rays at ray[0], ray[1] ...: kind above, cell below (sort.h). */
+LANES_INLINE void keys_some(const Cells *cells, const float *const row[LANES], uint32_t key[LANES])
+{
+    Floats f[8];
+    floats_fields(row, f);
+    const Floats x = floats_abs(f[4]), y = floats_abs(f[5]), z = floats_abs(f[6]);
+    const unsigned yx = floats_less(y, x), zx = floats_less(z, x), zy = floats_less(z, y);
+    const unsigned on_x = yx & zx, on_y = ~yx & zy;
+    const Floats major = floats_pick(on_x, x, floats_pick(on_y, y, z));
+    const Floats first = floats_pick(on_x, y, floats_pick(on_y, z, x));
+    const Floats second = floats_pick(on_x, z, floats_pick(on_y, x, y));
+    const Floats scale = floats_all(cells->scale[0]) / major;
+    const Words most = words_all((1u << CELL_LEVELS) - 1), least = words_all(0);
+    _Alignas(64) uint32_t place[CELL_DIMENSIONS][LANES];
+    /* NaN too ends somewhere. */
+    words_store(place[0], words_max(words_min(words_of(first * scale), most), least));
+    words_store(place[1], words_max(words_min(words_of(second * scale), most), least));
+    for (int k = 0; k < 3; k++) {
+        const Floats at = (f[k] - floats_all(cells->lo[k])) * floats_all(cells->scale[2 + k]);
+        words_store(place[2 + k], words_max(words_min(words_of(at), most), least));
+    }
+    const unsigned sx = floats_signs(f[4]), sy = floats_signs(f[5]), sz = floats_signs(f[6]);
+    for (unsigned i = 0; i < LANES; i++) {
+        const unsigned axis = on_x >> i & 1 ? 0 : on_y >> i & 1 ? 1 : 2;
+        const unsigned kind = axis * 8 + (sx >> i & 1) + 2 * (sy >> i & 1) + 4 * (sz >> i & 1);
+        key[i] = kind << cells->bits | cells->spread[0][place[0][i]]
+                 | cells->spread[1][place[1][i]] | cells->spread[2][place[2][i]]
+                 | cells->spread[3][place[3][i]] | cells->spread[4][place[4][i]];
+    }
+}
+
+static void packets_keys(const Cells *cells, const Ray *ray, size_t count, uint32_t *key)
+{
+    for (size_t i = 0; i < count; i += LANES) {
+        const float *row[LANES];
+        uint32_t some[LANES];
+        const size_t n = count - i < LANES ? count - i : LANES;
+        for (size_t j = 0; j < LANES; j++)
+            row[j] = (const float *)&ray[i + (j < n ? j : 0)];
+        keys_some(cells, row, n == LANES ? key + i : some);
+        for (size_t j = 0; n < LANES && j < n; j++)
+            key[i + j] = some[j];
+    }
 }
 
 #endif

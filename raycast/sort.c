@@ -1,24 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rays by kind (major axis and signs of the direction), then by cells of direction and origin, the
- * bits of both interleaved so that a cell's rays spread about as far by the one as by the other
- * over half of the scene. One pass of counting; within a cell the caller's order stays. */
+/* Rays into cells (sort.h): one pass of counting; within a cell the caller's order stays. */
 #include "raycast/sort.h"
 
 #include <assert.h>
 #include <math.h>
+#include <string.h>
 
-#define KINDS 24u
-#define CELL_BITS_MAX 10u
-#define DIMENSIONS 5 /* of a cell: two slopes, three coordinates */
-#define LEVELS 8u
-/* Rays that a cell should get: a packet's worth, and some. */
-#define CELL_RAYS 16u
-
-typedef struct {
-    float    lo[3], scale[DIMENSIONS];   /* to 0 .. 2^LEVELS - 1 */
-    uint16_t spread[DIMENSIONS][1u << LEVELS];
-    unsigned bits;
-} Cells;
+/* Rays that a cell should get on the average over all kinds: those of a tile of patches leave by
+ * half of them, and cells of less than a packet's rays would mix neighbours all the same. */
+#define CELL_RAYS 8u
 
 static void origin_box(const Ray *ray, size_t count, float lo[3], float hi[3])
 {
@@ -38,82 +28,49 @@ static void origin_box(const Ray *ray, size_t count, float lo[3], float hi[3])
 /* Gives one bit after the other to the dimension whose cells are largest. */
 static void cells_init(Cells *cells, const Bvh *bvh, const Ray *ray, size_t count)
 {
-    float hi[3], extent[DIMENSIONS], size = 0;
+    float hi[3], left[CELL_DIMENSIONS], size = 0;
+    unsigned used[CELL_DIMENSIONS] = { 0 }, dimension[CELL_BITS_MAX];
     origin_box(ray, count, cells->lo, hi);
     for (int k = 0; k < 3; k++)
         size = fmaxf(size, bvh->hi[k] - bvh->lo[k]);
-    /* A slope of 1 over half the scene. */
-    extent[0] = extent[1] = 0.5f * size;
-    for (int k = 0; k < 3; k++)
-        extent[2 + k] = hi[k] - cells->lo[k];
-    unsigned used[DIMENSIONS] = { 0 }, dimension[CELL_BITS_MAX];
-    cells->bits = 0;
-    float left[DIMENSIONS];
-    for (int k = 0; k < DIMENSIONS; k++) {
-        left[k] = extent[k] < INFINITY ? extent[k] : 0;
-        const float range = k < 2 ? 1 : extent[k];
-        cells->scale[k] = range > 0 && range < INFINITY ? (float)(1u << LEVELS) / range : 0;
+    for (int k = 0; k < CELL_DIMENSIONS; k++) {
+        /* A slope of 1 over half the scene. */
+        const float range = k < 2 ? 1 : hi[k - 2] - cells->lo[k - 2];
+        left[k] = k < 2 ? size / 2 : range < INFINITY ? range : 0;
+        cells->scale[k] = range > 0 && range < INFINITY ? (float)(1u << CELL_LEVELS) / range : 0;
     }
-    while (cells->bits < CELL_BITS_MAX && (size_t)CELL_RAYS << cells->bits < 4 * count / 3 / 8) {
+    for (cells->bits = 0; cells->bits < CELL_BITS_MAX; cells->bits++) {
         unsigned largest = 0;
-        for (unsigned k = 1; k < DIMENSIONS; k++)
+        for (unsigned k = 1; k < CELL_DIMENSIONS; k++)
             largest = left[k] > left[largest] ? k : largest;
-        if (used[largest] == LEVELS)
+        if ((size_t)CELL_RAYS * RAY_KINDS << cells->bits >= count || used[largest] == CELL_LEVELS)
             break;
         left[largest] /= 2;
         used[largest]++;
-        dimension[cells->bits++] = largest;
+        dimension[cells->bits] = largest;
     }
-    for (unsigned k = 0; k < DIMENSIONS; k++)
-        for (unsigned q = 0; q < 1u << LEVELS; q++) {
-            unsigned from = LEVELS, key = 0;
+    memset(cells->spread, 0, sizeof cells->spread);
+    for (unsigned k = 0; k < CELL_DIMENSIONS; k++)
+        for (unsigned place = 0; used[k] > 0 && place < 1u << CELL_LEVELS; place++) {
+            unsigned from = CELL_LEVELS;
             for (unsigned b = 0; b < cells->bits; b++)
                 if (dimension[b] == k)
-                    key |= (q >> --from & 1) << (cells->bits - 1 - b);
-            cells->spread[k][q] = (uint16_t)key;
+                    cells->spread[k][place] |= (place >> --from & 1) << (cells->bits - 1 - b);
         }
 }
 
-static unsigned quantised(float x)
+void rays_sort(Sorter *sorter, const Bvh *bvh, const Ray *ray, size_t count)
 {
-    /* NaN too ends somewhere. */
-    return x >= 0 && x < (float)(1u << LEVELS) ? (unsigned)x : x > 0 ? (1u << LEVELS) - 1 : 0;
-}
-
-static uint32_t ray_key(const Cells *cells, const Ray *ray)
-{
-    const float ax = fabsf(ray->dx), ay = fabsf(ray->dy), az = fabsf(ray->dz);
-    const unsigned axis = ax > ay ? (ax > az ? 0 : 2) : (ay > az ? 1 : 2);
-    const float z = axis == 0 ? ax : axis == 1 ? ay : az;
-    const float x = axis == 0 ? ay : axis == 1 ? az : ax;
-    const float y = axis == 0 ? az : axis == 1 ? ax : ay;
-    const unsigned octant = (unsigned)(signbit(ray->dx) != 0) | (unsigned)(signbit(ray->dy) != 0) << 1
-                            | (unsigned)(signbit(ray->dz) != 0) << 2;
-    const float inverse = 1 / z;
-    uint32_t cell = cells->spread[0][quantised(x * inverse * cells->scale[0])];
-    cell |= cells->spread[1][quantised(y * inverse * cells->scale[1])];
-    cell |= cells->spread[2][quantised((ray->ox - cells->lo[0]) * cells->scale[2])];
-    cell |= cells->spread[3][quantised((ray->oy - cells->lo[1]) * cells->scale[3])];
-    cell |= cells->spread[4][quantised((ray->oz - cells->lo[2]) * cells->scale[4])];
-    return (axis * 8 + octant) << cells->bits | cell;
-}
-
-void rays_sort(const Bvh *bvh, const Ray *ray, size_t count, uint32_t *order)
-{
-    assert(count <= SORT_MOST && order != NULL);
-    Cells cells;
-    uint32_t first[(KINDS << CELL_BITS_MAX) + 1];
-    uint16_t key[SORT_MOST];
-    cells_init(&cells, bvh, ray, count);
-    const uint32_t keys = KINDS << cells.bits;
-    for (uint32_t i = 0; i <= keys; i++)
-        first[i] = 0;
-    for (size_t i = 0; i < count; i++) {
-        key[i] = (uint16_t)ray_key(&cells, &ray[i]);
-        first[key[i] + 1]++;
-    }
+    assert(count <= SORT_MOST && bvh->kernel->keys != NULL);
+    cells_init(&sorter->cells, bvh, ray, count);
+    const uint32_t keys = RAY_KINDS << sorter->cells.bits;
+    uint32_t *first = sorter->first;
+    memset(first, 0, (keys + 1) * sizeof *first);
+    bvh->kernel->keys(&sorter->cells, ray, count, sorter->key);
+    for (size_t i = 0; i < count; i++)
+        first[sorter->key[i] + 1]++;
     for (uint32_t i = 0; i < keys; i++)
         first[i + 1] += first[i];
     for (size_t i = 0; i < count; i++)
-        order[first[key[i]]++] = (uint32_t)i;
+        sorter->order[first[sorter->key[i]]++] = (uint32_t)i;
 }

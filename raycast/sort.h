@@ -1,13 +1,36 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* raycast/sort.h -- an order in which rays that go the same way are neighbours. */
+/* raycast/sort.h -- an order in which rays that go the same way are neighbours.
+ *
+ * A ray's key is its kind (major axis and signs of the direction: what rays of a packet must have
+ * in common), below it a cell of direction and origin, the bits of both interleaved so that the
+ * rays of a cell spread about as far by the one as by the other over half of the scene.
+ */
 #ifndef RAYCAST_SORT_H
 #define RAYCAST_SORT_H
 
 #include "raycast/internal.h"
 
-#define SORT_MOST BVH_BLOCK
+#define CELL_DIMENSIONS 5 /* two slopes, three coordinates */
+#define CELL_LEVELS 8u    /* bits of a dimension, at most */
+#define CELL_BITS_MAX 12u
+#define RAY_KINDS 24u
 
-/* order[0..count-1] becomes a permutation of 0..count-1; count <= SORT_MOST. */
-void rays_sort(const Bvh *bvh, const Ray *ray, size_t count, uint32_t *order);
+struct Cells {
+    float    lo[3];
+    float    scale[CELL_DIMENSIONS]; /* to 0 .. 2^CELL_LEVELS - 1 */
+    uint32_t spread[CELL_DIMENSIONS][1u << CELL_LEVELS]; /* place along a dimension -> its bits */
+    unsigned bits;
+};
+
+/* Memory for sorting up to SORT_MOST rays. */
+#define SORT_MOST BVH_BLOCK
+typedef struct {
+    Cells    cells;
+    uint32_t key[SORT_MOST], order[SORT_MOST];
+    uint32_t first[(RAY_KINDS << CELL_BITS_MAX) + 1];
+} Sorter;
+
+/* sorter->order[0..count-1] becomes a permutation of 0..count-1; count <= SORT_MOST. */
+void rays_sort(Sorter *sorter, const Bvh *bvh, const Ray *ray, size_t count);
 
 #endif

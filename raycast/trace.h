@@ -137,6 +137,7 @@ static inline void singles_blocked(const Bvh *bvh, const Ray *ray, const uint32_
     }
 }
 
-#define KERNEL_TABLE(isa, nearest_rays, blocked_rays, in_packets)                                \
-    { .name = isa, .packets = in_packets, .nearest = trace_nearest, .blocked = trace_blocked,   \
-      .nearest_many = nearest_rays, .blocked_many = blocked_rays }
+#define KERNEL_TABLE(isa, nearest_rays, blocked_rays, ray_keys, nearest_alone, blocked_alone)   \
+    { .name = isa, .nearest = trace_nearest, .blocked = trace_blocked,                          \
+      .nearest_many = nearest_rays, .blocked_many = blocked_rays, .keys = ray_keys,       \
+      .nearest_apart = nearest_alone, .blocked_apart = blocked_alone }

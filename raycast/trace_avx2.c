@@ -16,11 +16,14 @@
 
 #include "raycast/trace.h"
 
+#include "raycast/stream.h"
+
 #include "raycast/lanes_avx2.h"
 
 #include "raycast/packet.h"
 
-const Kernel kernel_avx2 = KERNEL_TABLE("avx2", packets_nearest, packets_blocked, true);
+const Kernel kernel_avx2 = KERNEL_TABLE("avx2", packets_nearest, packets_blocked,
+                                         packets_keys, stream_nearest, stream_blocked);
 
 #if defined(__clang__)
 #pragma clang attribute pop

@@ -6,7 +6,9 @@
 #ifdef ISOLUX_X86
 
 #if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi2,popcnt"))), apply_to = function)
+#pragma clang attribute push(                                                                   \
+    __attribute__((target("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi2,popcnt"))),         \
+    apply_to = function)
 #else
 #pragma GCC push_options
 #pragma GCC target("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi2,popcnt")
@@ -16,11 +18,14 @@
 
 #include "raycast/trace.h"
 
+#include "raycast/stream.h"
+
 #include "raycast/lanes_avx512.h"
 
 #include "raycast/packet.h"
 
-const Kernel kernel_avx512 = KERNEL_TABLE("avx512", packets_nearest, packets_blocked, true);
+const Kernel kernel_avx512 = KERNEL_TABLE("avx512", packets_nearest, packets_blocked,
+                                         packets_keys, stream_nearest, stream_blocked);
 
 #if defined(__clang__)
 #pragma clang attribute pop

@@ -39,4 +39,5 @@ static inline bool group_test(const TriangleGroup *group, const Probe *p, uint32
 
 #include "raycast/trace.h"
 
-const Kernel kernel_scalar = KERNEL_TABLE("scalar", singles_nearest, singles_blocked, false);
+const Kernel kernel_scalar = KERNEL_TABLE("scalar", singles_nearest, singles_blocked, NULL,
+                                           singles_nearest, singles_blocked);

@@ -50,7 +50,8 @@ static inline bool group_test(const TriangleGroup *group, const Probe *p, uint32
 
 #include "raycast/trace.h"
 
-const Kernel kernel_sse2 = KERNEL_TABLE("sse2", singles_nearest, singles_blocked, false);
+const Kernel kernel_sse2 = KERNEL_TABLE("sse2", singles_nearest, singles_blocked, NULL,
+                                         singles_nearest, singles_blocked);
 
 #else
 typedef int trace_sse2_is_empty_here; /* a file must declare something */

@@ -239,6 +239,31 @@ static inline void compare_ray(const Primitives *in, const Trees *trees, const R
     }
 }
 
+/* The calls for many rays give what the scalar kernel gives ray by ray, to the bit. */
+static inline void compare_many(const Trees *trees, const Ray *ray, size_t count)
+{
+    Hit *want = calloc(count, sizeof *want), *got = calloc(count, sizeof *got);
+    bool *blocked = calloc(count, sizeof *blocked);
+    for (size_t i = 0; i < count; i++)
+        bvh_nearest(trees->bvh[0], &ray[i], &want[i]);
+    for (int k = 0; k < KERNELS; k++)
+        for (int sorted = 0; trees->bvh[k] != NULL && sorted < 2; sorted++) {
+            memset(got, 0xff, count * sizeof *got);
+            memset(blocked, 2, count * sizeof *blocked);
+            (sorted ? bvh_nearest_many : bvh_nearest_beam)(trees->bvh[k], ray, got, count);
+            (sorted ? bvh_blocked_many : bvh_blocked_beam)(trees->bvh[k], ray, blocked, count);
+            for (size_t i = 0; i < count; i++) {
+                if (memcmp(&got[i], &want[i], sizeof *got) != 0)
+                    show_ray(kernel_name[k], &ray[i], &want[i], &got[i]);
+                assert_memory_equal(&got[i], &want[i], sizeof *got);
+                assert_int_equal(blocked[i], want[i].primitive != RAY_MISS);
+            }
+        }
+    free(want);
+    free(got);
+    free(blocked);
+}
+
 static inline Ray ray_of(Vec3 o, Vec3 d, float t_min, float t_max)
 {
     return (Ray){ .ox = (float)o.x, .oy = (float)o.y, .oz = (float)o.z, .t_min = t_min,
@@ -269,12 +294,17 @@ static inline Ray random_ray(const Scene *s, Random *r, Vec3 centre, double reac
 static inline void compare_scene(const Scene *s, uint32_t rays, Vec3 centre, double reach,
                                  uint64_t seed)
 {
+    enum { MANY = 5000 };
     Trees trees = trees_create(&s->in);
     Random r = { seed };
+    Ray *many = calloc(MANY, sizeof *many);
     for (uint32_t i = 0; i < rays / SLOWER; i++) {
         const Ray ray = random_ray(s, &r, centre, reach);
         compare_ray(&s->in, &trees, &ray);
+        many[i % MANY] = ray;
     }
+    compare_many(&trees, many, MANY);
+    free(many);
     trees_destroy(&trees);
 }
 
