@@ -19,9 +19,10 @@ typedef enum {
     DEFECT_DEGENERATE,     /* face without area: left out */
     DEFECT_NONFINITE,      /* face with a corner that is not a finite number: left out */
     DEFECT_DUPLICATE,      /* face exactly on another, wound like it: left out when repaired */
-    DEFECT_BACK_TO_BACK,   /* face exactly on another, wound the other way: made one two-sided plate;
-                              nothing wrong by itself */
-    DEFECT_NONPLANAR,      /* corners off the face's plane by more than rounding */
+    DEFECT_BACK_TO_BACK,   /* face exactly on another, wound the other way: made one two-sided
+                              plate; nothing wrong by itself */
+    DEFECT_NONPLANAR,      /* corners off the face's plane by more than rounding: cut into
+                              triangles, which counts as repaired */
     DEFECT_CROSSING,       /* outline crosses itself */
     DEFECT_NONMANIFOLD,    /* an edge of more than two faces */
     DEFECT_T_JUNCTION,     /* a corner inside another face's edge */

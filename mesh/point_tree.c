@@ -8,10 +8,7 @@
 #include "base/array.h"
 #include "mesh/edges.h"
 
-enum {
-    LEAF = 4,      /* points of a node that is not divided further, at most twice as many */
-    GRID_BITS = 10 /* of each coordinate in a Morton code: three of them leave room for an index */
-};
+enum { GRID_BITS = 10 }; /* of each coordinate in a Morton code: three leave room for an index */
 
 /* --- building --------------------------------------------------------------------------------- */
 
@@ -60,7 +57,7 @@ static void morton_sort(PointTree *tree, uint32_t begin, uint32_t end, uint64_t 
         uint32_t next = i + 1;
         while (next < end && key[next] >> 32 == key[i] >> 32)
             next++;
-        if (next - i > 2 * LEAF && next - i < end - begin)
+        if (next - i > POINT_TREE_LEAF && next - i < end - begin)
             morton_sort(tree, i, next, key, rounds - 1);
         i = next;
     }
@@ -68,15 +65,15 @@ static void morton_sort(PointTree *tree, uint32_t begin, uint32_t end, uint64_t 
 
 static void build_boxes(PointTree *tree, uint32_t node, uint32_t begin, uint32_t end)
 {
-    if (end - begin <= 2 * LEAF) {
-        range_box(tree, begin, end, &tree->lo[node], &tree->hi[node]);
+    if (end - begin <= POINT_TREE_LEAF) {
+        range_box(tree, begin, end, &tree->box[node].lo, &tree->box[node].hi);
         return;
     }
     const uint32_t middle = begin + (end - begin) / 2;
     build_boxes(tree, 2 * node, begin, middle);
     build_boxes(tree, 2 * node + 1, middle, end);
-    tree->lo[node] = vec3_min(tree->lo[2 * node], tree->lo[2 * node + 1]);
-    tree->hi[node] = vec3_max(tree->hi[2 * node], tree->hi[2 * node + 1]);
+    tree->box[node].lo = vec3_min(tree->box[2 * node].lo, tree->box[2 * node + 1].lo);
+    tree->box[node].hi = vec3_max(tree->box[2 * node].hi, tree->box[2 * node + 1].hi);
 }
 
 bool point_tree_create(PointTree *tree, const Vec3 *position, const uint32_t *vertex,
@@ -85,12 +82,11 @@ bool point_tree_create(PointTree *tree, const Vec3 *position, const uint32_t *ve
     assert(tree != NULL && err != NULL && (count == 0 || (position != NULL && vertex != NULL)));
     enum { ROUNDS = 8 };
     size_t boxes = 2;
-    for (size_t n = count; n > 2 * LEAF; n -= n / 2) /* the greater half */
+    for (size_t n = count; n > POINT_TREE_LEAF; n -= n / 2) /* the greater half */
         boxes *= 2;
     *tree = (PointTree){ .position = position, .count = count };
     tree->point = array_create(count, sizeof *tree->point, "points", err);
-    tree->lo = array_create(boxes, sizeof *tree->lo, "points", err);
-    tree->hi = array_create(boxes, sizeof *tree->hi, "points", err);
+    tree->box = array_create(boxes, sizeof *tree->box, "points", err);
     uint64_t *key = array_create(count, sizeof *key, "points", err);
     if (error_is_set(err)) {
         point_tree_clear(tree);
@@ -107,44 +103,52 @@ bool point_tree_create(PointTree *tree, const Vec3 *position, const uint32_t *ve
 void point_tree_clear(PointTree *tree)
 {
     array_free(tree->point);
-    array_free(tree->lo);
-    array_free(tree->hi);
+    array_free(tree->box);
     *tree = (PointTree){ 0 };
+}
+
+void point_tree_shorten(PointTree *tree, uint32_t count)
+{
+    assert(count <= tree->count);
+    tree->count = count;
+    build_boxes(tree, 1, 0, count);
 }
 
 /* --- searching -------------------------------------------------------------------------------- */
 
 typedef struct {
     const PointTree *tree;
-    Vec3          p, way;       /* the line from p to p + way */
-    double        square;       /* of its length */
-    double        reach;
-    bool        (*found)(void *context, uint32_t vertex, double fraction);
-    void         *context;
-} Search;
+    Vec3             p, way;    /* the line from p to p + way */
+    double           square;    /* of its length */
+    double           reach;
+    bool           (*found)(void *context, uint32_t vertex, double fraction);
+    void            *context;
+} Line;
 
 /* Whether the line comes into a box grown by the reach. */
-static bool box_met(const Search *s, uint32_t node)
+static bool line_meets_box(void *context, const PointBox *box)
 {
+    const Line *s = context;
     double enter = 0, leave = 1;
     for (int k = 0; k < 3; k++) {
-        const double lo = vec3_axis(s->tree->lo[node], k) - s->reach - vec3_axis(s->p, k);
-        const double hi = vec3_axis(s->tree->hi[node], k) + s->reach - vec3_axis(s->p, k);
+        const double below = vec3_axis(box->lo, k) - s->reach - vec3_axis(s->p, k);
+        const double above = vec3_axis(box->hi, k) + s->reach - vec3_axis(s->p, k);
         const double way = vec3_axis(s->way, k);
         if (way == 0) {
-            if (lo > 0 || hi < 0)
+            if (below > 0 || above < 0)
                 return false;
             continue;
         }
-        const double a = lo / way, b = hi / way;
+        const double a = below / way, b = above / way;
         enter = fmax(enter, fmin(a, b));
         leave = fmin(leave, fmax(a, b));
     }
     return enter <= leave;
 }
 
-static bool test_point(const Search *s, uint32_t vertex)
+static bool line_meets_point(void *context, uint32_t vertex)
 {
+    const Line *s = context;
     const Vec3 to = vec3_sub(s->tree->position[vertex], s->p);
     const double fraction = vec3_dot(to, s->way) / s->square;
     if (!(fraction > 0 && fraction < 1))
@@ -153,29 +157,13 @@ static bool test_point(const Search *s, uint32_t vertex)
     return vec3_length(off) > s->reach || s->found(s->context, vertex, fraction);
 }
 
-static bool search_node(const Search *s, uint32_t node, uint32_t begin, uint32_t end)
-{
-    if (!box_met(s, node))
-        return true;
-    if (end - begin <= 2 * LEAF) {
-        for (uint32_t i = begin; i < end; i++)
-            if (!test_point(s, s->tree->point[i]))
-                return false;
-        return true;
-    }
-    const uint32_t middle = begin + (end - begin) / 2;
-    return search_node(s, 2 * node, begin, middle) && search_node(s, 2 * node + 1, middle, end);
-}
-
 bool point_tree_along(const PointTree *tree, Vec3 p, Vec3 q, double reach,
                       bool (*found)(void *context, uint32_t vertex, double fraction),
                       void *context)
 {
     assert(tree != NULL && found != NULL && reach >= 0);
-    Search s = { .tree = tree, .p = p, .way = vec3_sub(q, p), .reach = reach,
-                 .found = found, .context = context };
-    s.square = vec3_dot(s.way, s.way);
-    if (tree->count == 0 || !(s.square > 0))
-        return true;
-    return search_node(&s, 1, 0, tree->count);
+    Line line = { .tree = tree, .p = p, .way = vec3_sub(q, p), .reach = reach, .found = found,
+                  .context = context };
+    line.square = vec3_dot(line.way, line.way);
+    return !(line.square > 0) || point_tree_visit(tree, line_meets_box, line_meets_point, &line);
 }

@@ -4,9 +4,9 @@
  * Each connected part is walked through once. Where all its windings can agree, the ones that most
  * of its area has stay; where neither has a clear majority and the part is closed, it is turned
  * inside in. A part that agrees already is left as it is: rooms are modelled from inside. Plates of
- * two faces have no say, as they show a front to both sides. A lamp in a ceiling shines to its front
- * whichever way the ceiling is wound: where most of what emits in a part is against the rest, that
- * is meant.
+ * two faces have no say, as they show a front to both sides. A lamp in a ceiling shines to its
+ * front whichever way the ceiling is wound: where most of what emits in a part is against the rest,
+ * that is meant.
  */
 #include <assert.h>
 #include <math.h>

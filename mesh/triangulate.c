@@ -7,34 +7,17 @@
 
 #include "base/array.h"
 #include "math/tolerance.h"
+#include "mesh/triangulate_internal.h"
 
-struct CutCorner {
-    double   x, y;         /* in the plane, counter-clockwise */
-    uint32_t vertex;
-    uint32_t previous, next;
-};
+/* Outlines of more corners are cut with a search tree. */
+enum { FEW = 256 };
 
-/* Corner-in-ear tests per polygon; an outline that crosses itself in ten thousands of places must
- * not take hours. Afterwards ears are cut unseen. A few seconds. */
-static const uint64_t TEST_LIMIT = UINT64_C(2000000000);
-
-/* Tests spent per ear on looking for a fatter one, where there are many corners. */
+/* Tests spent per ear on looking for a fatter one. */
 enum { CHOICE_TESTS = 4096 };
 
-/* How much is asked of an ear, from all to nothing. */
-typedef enum {
-    EAR_CLEAN,   /* has area, no other corner in it or on its rim */
-    EAR_TOUCHED, /* has area, other corners on its rim at most */
-    EAR_FLAT,    /* no area: a spike or a corner in line, dropped */
-    EAR_FORCED   /* the outline crosses itself */
-} EarDemand;
-
-typedef struct {
-    CutCorner *ring;
-    uint32_t   left;        /* corners left */
-    double     tolerance;   /* height below which a triangle has no area */
-    uint64_t   tests;
-} Clipper;
+/* Corner-in-ear tests per polygon; an outline that crosses itself in a hundred places must not take
+ * a second. */
+static const uint64_t TEST_LIMIT = UINT64_C(20000000);
 
 static double largest3(double a, double b, double c) { return fmax(a, fmax(b, c)); }
 
@@ -60,37 +43,29 @@ bool triangulate_is_sliver(Vec3 a, Vec3 b, Vec3 c)
     return !(doubled > longest * position_tolerance(largest)) || !isfinite(doubled);
 }
 
-/* Twice the signed area of (a, b, c). */
-static double turn(const CutCorner *a, const CutCorner *b, const CutCorner *c)
-{
-    return (b->x - a->x) * (c->y - a->y) - (c->x - a->x) * (b->y - a->y);
-}
-
 static bool same_place(const CutCorner *a, const CutCorner *b)
 {
     return a->vertex == b->vertex || (a->x == b->x && a->y == b->y);
 }
 
-static double distance(const CutCorner *a, const CutCorner *b)
+double ear_distance(const CutCorner *a, const CutCorner *b)
 {
     return hypot(a->x - b->x, a->y - b->y);
 }
 
 static double ear_longest(const CutCorner *a, const CutCorner *b, const CutCorner *c)
 {
-    return largest3(distance(a, b), distance(b, c), distance(c, a));
+    return largest3(ear_distance(a, b), ear_distance(b, c), ear_distance(c, a));
 }
 
 static bool in_cone(const CutCorner *apex, const CutCorner *right, const CutCorner *left,
                     const CutCorner *p)
 {
-    return turn(apex, right, p) > 0 && turn(apex, p, left) > 0;
+    return ear_turn(apex, right, p) > 0 && ear_turn(apex, p, left) > 0;
 }
 
-/* Whether corner w keeps the ear (a, b, c) from being cut. A corner at the place of one of the
- * ear's own (bridges, outlines that touch themselves) does when its edges run into the ear. */
-static bool corner_blocks(const Clipper *clip, const CutCorner *ear[3], const CutCorner *w,
-                          EarDemand demand)
+bool ear_blocked(const Clipper *clip, const CutCorner *const ear[3], const CutCorner *w,
+                 EarDemand demand)
 {
     for (int k = 0; k < 3; k++)
         if (same_place(w, ear[k])) {
@@ -100,17 +75,18 @@ static bool corner_blocks(const Clipper *clip, const CutCorner *ear[3], const Cu
         }
     for (int k = 0; k < 3; k++) {
         const CutCorner *from = ear[k], *to = ear[(k + 1) % 3];
-        const double inside = turn(from, to, w);
-        if (demand == EAR_CLEAN ? inside < -clip->tolerance * distance(from, to) : inside <= 0)
+        const double inside = ear_turn(from, to, w);
+        if (demand == EAR_CLEAN ? inside < -clip->tolerance * ear_distance(from, to) : inside <= 0)
             return false;
     }
     return true;
 }
 
+/* Walks round the ring. */
 static bool ear_is_free(Clipper *clip, uint32_t i, EarDemand demand)
 {
     const CutCorner *b = &clip->ring[i];
-    const CutCorner *ear[3] = { &clip->ring[b->previous], b, &clip->ring[b->next] };
+    const CutCorner *const ear[3] = { &clip->ring[b->previous], b, &clip->ring[b->next] };
     const double x0 = fmin(ear[0]->x, fmin(b->x, ear[2]->x)) - clip->tolerance;
     const double x1 = largest3(ear[0]->x, b->x, ear[2]->x) + clip->tolerance;
     const double y0 = fmin(ear[0]->y, fmin(b->y, ear[2]->y)) - clip->tolerance;
@@ -119,25 +95,24 @@ static bool ear_is_free(Clipper *clip, uint32_t i, EarDemand demand)
         const CutCorner *w = &clip->ring[j];
         clip->tests++;
         if (w->x >= x0 && w->x <= x1 && w->y >= y0 && w->y <= y1
-            && corner_blocks(clip, ear, w, demand))
+            && ear_blocked(clip, ear, w, demand))
             return false;
     }
     return true;
 }
 
-/* Fatness of the ear at corner i, 0..1 or so, or -1 when it may not be cut on these terms. */
-static double ear_grade(Clipper *clip, uint32_t i, EarDemand demand)
+double ear_grade(Clipper *clip, uint32_t i, EarDemand demand)
 {
     const CutCorner *b = &clip->ring[i];
     const CutCorner *a = &clip->ring[b->previous], *c = &clip->ring[b->next];
-    const double doubled = turn(a, b, c);
+    const double doubled = ear_turn(a, b, c);
     const double longest = ear_longest(a, b, c);
     const double height = longest > 0 ? doubled / longest : 0;
     if (demand == EAR_FLAT)
         return fabs(height) <= clip->tolerance ? 1 : -1;
     if (demand == EAR_FORCED)
         return doubled > 0 ? height / longest : -1;
-    if (!(height > clip->tolerance) || !ear_is_free(clip, i, demand))
+    if (!(height > clip->tolerance) || !clip->is_free(clip, i, demand))
         return -1;
     return height / longest;
 }
@@ -149,7 +124,7 @@ static bool ear_find(Clipper *clip, EarDemand demand, uint32_t start, uint32_t *
     double best = -1;
     uint32_t i = start, found = 0;
     for (uint32_t k = 0; k < clip->left && found < choice; k++, i = clip->ring[i].next) {
-        if (demand < EAR_FLAT && clip->tests > TEST_LIMIT)
+        if (demand < EAR_FLAT && clip->tests > clip->most)
             break;
         const double grade = ear_grade(clip, i, demand);
         found += grade >= 0;
@@ -169,8 +144,7 @@ static void ear_emit(Triangulation *cut, const CutCorner *a, const CutCorner *b,
     out[2] = c->vertex;
 }
 
-/* Cuts corner i off; its triangle is kept unless it is flat. */
-static uint32_t ear_cut(Triangulation *cut, Clipper *clip, uint32_t i, bool keep)
+uint32_t ear_cut(Triangulation *cut, Clipper *clip, uint32_t i, bool keep)
 {
     CutCorner *b = &clip->ring[i], *a = &clip->ring[b->previous], *c = &clip->ring[b->next];
     if (keep)
@@ -183,7 +157,7 @@ static uint32_t ear_cut(Triangulation *cut, Clipper *clip, uint32_t i, bool keep
     return b->next;
 }
 
-static void clip_ears(Triangulation *cut, Clipper *clip)
+static uint32_t clip_few(Triangulation *cut, Clipper *clip)
 {
     uint32_t at = 0;
     while (clip->left > 3) {
@@ -194,12 +168,23 @@ static void clip_ears(Triangulation *cut, Clipper *clip)
         cut->crossing |= demand >= EAR_FORCED;
         at = ear_cut(cut, clip, ear, demand != EAR_FLAT && demand <= EAR_FORCED);
     }
+    return at;
+}
+
+static bool clip_ears(Triangulation *cut, Clipper *clip, Error *err)
+{
+    uint32_t at = 0;
+    if (clip->left <= FEW)
+        at = clip_few(cut, clip);
+    else if (!ears_clip_many(cut, clip, &at, err))
+        return false;
     const CutCorner *b = &clip->ring[at];
     const CutCorner *a = &clip->ring[b->previous], *c = &clip->ring[b->next];
-    if (turn(a, b, c) > ear_longest(a, b, c) * clip->tolerance)
+    if (ear_turn(a, b, c) > ear_longest(a, b, c) * clip->tolerance)
         ear_emit(cut, a, b, c);
     else if (!same_place(a, c) && !same_place(a, b) && !same_place(b, c))
         cut->dropped++;
+    return true;
 }
 
 /* Drops the largest axis of the normal, which leaves coordinates as exact as they were. */
@@ -223,7 +208,7 @@ static bool quad_splits(const CutCorner *q, const Vec3 *position, int k)
     const CutCorner *a = &q[k], *b = &q[k + 1], *c = &q[k + 2], *d = &q[(k + 3) % 4];
     const Vec3 pa = position[a->vertex], pb = position[b->vertex];
     const Vec3 pc = position[c->vertex], pd = position[d->vertex];
-    if (!(turn(a, b, c) > 0 && turn(a, c, d) > 0) || triangulate_is_sliver(pa, pb, pc)
+    if (!(ear_turn(a, b, c) > 0 && ear_turn(a, c, d) > 0) || triangulate_is_sliver(pa, pb, pc)
         || triangulate_is_sliver(pa, pc, pd))
         return false;
     const Vec3 ac = vec3_sub(pc, pa);
@@ -239,7 +224,7 @@ static bool cut_quad(Triangulation *cut, const CutCorner *q, const Vec3 *positio
 {
     for (int k = 0; k < 4; k++) {
         const CutCorner *a = &q[k], *b = &q[(k + 1) % 4], *c = &q[(k + 2) % 4];
-        if (turn(a, b, c) < -tolerance * ear_longest(a, b, c))
+        if (ear_turn(a, b, c) < -tolerance * ear_longest(a, b, c))
             return false;
     }
     const bool splits[2] = { quad_splits(q, position, 0), quad_splits(q, position, 1) };
@@ -329,8 +314,10 @@ bool triangulate(Triangulation *cut, const Vec3 *position, const uint32_t *corne
     ring_project(cut->ring, n, position, normal);
     if (n == 4 && cut_quad(cut, cut->ring, position, tolerance))
         return true;
-    Clipper clip = { .ring = cut->ring, .left = n, .tolerance = tolerance };
-    clip_ears(cut, &clip);
+    Clipper clip = { .ring = cut->ring, .left = n, .tolerance = tolerance, .most = TEST_LIMIT,
+                     .is_free = ear_is_free };
+    if (!clip_ears(cut, &clip, err))
+        return false;
     if (cut->count == 0 && cut->dropped == 0)
         cut->dropped = 1;
     return true;

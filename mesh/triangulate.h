@@ -4,7 +4,8 @@
  * Concave polygons, any number of corners, holes joined to the outline by a bridge (its two corners
  * then come twice), corners in line, corners a little off the plane: all are cut from corner to
  * corner, so neighbours still share whole edges. This folder only.
- * Method   ear clipping [meisters75] in the plane of Newell's normal, fattest ear first.
+ * Method   ear clipping [meisters75] in the plane of Newell's normal, fattest ear first; with very
+ *          many corners in turn, and a tree of boxes to find what lies in an ear.
  */
 #ifndef MESH_TRIANGULATE_H
 #define MESH_TRIANGULATE_H

@@ -328,7 +328,7 @@ static void test_open_sheet(void **state)
     }
 }
 
-/* Lamps let into a sheet keep their fronts when most of them are against it; one astray does not. */
+/* Lamps let into a sheet keep their fronts when most of them are against it; one alone does not. */
 static void test_lamps(void **state)
 {
     (void)state;

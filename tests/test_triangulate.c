@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Polygons cut into triangles: areas and outlines kept, for every kind of outline. */
+#include "mesh/triangulate.h"
 #include "tests/soup_tools.h"
 
 /* Shoelace formula: twice the signed area. */
@@ -220,6 +221,71 @@ static void test_crossing(void **state)
     polygons_clear(&soup);
 }
 
+/* Outlines of thousands of corners are cut in another way: the same must hold. */
+static void test_many_corners(void **state)
+{
+    (void)state;
+    enum { N = 3000 };
+    static Vec3 p[4 * N];
+    uint32_t seed = 7;
+    for (size_t i = 0; i < N; i++) { /* spikes round a point */
+        seed = seed * 1664525u + 1013904223u;
+        const double r = 2 + 18 * (seed >> 8) / 0x1p24, a = 2 * M_PI * (double)i / N;
+        p[i] = vec3(r * cos(a) - 7, r * sin(a) + 2, 0);
+    }
+    check_polygon(p, N, fabs(shoelace(p, N)), N - 2);
+    for (size_t i = 0; i < N; i++) { /* a corridor to and fro, 1 wide */
+        const size_t j = i < N / 2 ? i : N - 1 - i;
+        p[i] = vec3((double)j, (j % 2 ? 3 : 0) + (i < N / 2 ? 0 : 1), 0);
+    }
+    check_polygon(p, N, N / 2 - 1, N - 2);
+    for (size_t i = 0; i < N / 2; i++) { /* a ring, the bridge at angle 0 */
+        const double a = 2 * M_PI * (double)i / (N / 2 - 1);
+        const bool last = i == N / 2 - 1;
+        p[i] = vec3(last ? 2 : 2 * cos(a), last ? 0 : 2 * sin(a), 0);
+        p[N - 1 - i] = vec3(last ? 1 : cos(a), last ? 0 : sin(a), 0);
+    }
+    check_polygon(p, N, fabs(shoelace(p, N)), N - 2);
+}
+
+/* Straight through: time must not grow with the square. */
+static void test_very_many_corners(void **state)
+{
+    (void)state;
+    enum { N = 100000 };
+    Vec3 *p = malloc(N * sizeof *p);
+    uint32_t *corner = malloc(N * sizeof *corner);
+    assert_non_null(p);
+    assert_non_null(corner);
+    for (uint32_t i = 0; i < N; i++) { /* a spiral corridor of 40 turns */
+        const uint32_t j = i < N / 2 ? i : N - 1 - i;
+        const double a = 80 * M_PI * j / (N / 2), r = 1 + 0.1 * a - (i < N / 2 ? 0 : 0.3);
+        p[i] = vec3(r * cos(a), r * sin(a), 0);
+        corner[i] = i;
+    }
+    Triangulation cut = { 0 };
+    Error err = { 0 };
+    assert_true(triangulate(&cut, p, corner, N, &err));
+    assert_int_equal(cut.count, N - 2);
+    assert_false(cut.crossing);
+    double area = 0;
+    for (size_t k = 0; k < cut.count; k++) {
+        const Vec3 normal = triangulate_normal(p, cut.triangle + 3 * k, 3);
+        assert_true(normal.z > 0);
+        area += normal.z / 2;
+    }
+    assert_true(fabs(area - shoelace(p, N)) < 1e-9 * area);
+    for (uint32_t i = 0; i < N / 4; i++) { /* crosses itself everywhere: ends */
+        const uint32_t x = i * 2654435761u, y = x * 1664525u + 1013904223u;
+        p[i] = vec3((x >> 8) / 0x1p24, (y >> 8) / 0x1p24, 0);
+    }
+    assert_true(triangulate(&cut, p, corner, 2000, &err));
+    assert_true(cut.crossing && cut.count > 0);
+    triangulation_clear(&cut);
+    free(p);
+    free(corner);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -229,6 +295,8 @@ int main(void)
         cmocka_unit_test(test_corners_in_line),
         cmocka_unit_test(test_spiral),
         cmocka_unit_test(test_random_outlines),
+        cmocka_unit_test(test_many_corners),
+        cmocka_unit_test(test_very_many_corners),
         cmocka_unit_test(test_bent_quad),
         cmocka_unit_test(test_crossing),
     };
