@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "math/sampling.h"
 #include "radiosity/internal.h"
+#include "radiosity/visible.h"
 
 static const uint32_t DEFAULT_SAMPLES = 64;
 
@@ -71,6 +72,7 @@ static double sum_arriving(DirectPass *d, DirectScratch *s, uint32_t patch, cons
         } else {
             sampling_sobol2(k, seed, x);
             patches_point(room->patches, room->surfaces, patch, x[0], x[1], &at);
+            visible_move(room, &at);
         }
         *total += at.weight;
         const double value = light_arriving(d->light, at.point.point, at.point.normal);

@@ -7,6 +7,7 @@
 #include "base/array.h"
 #include "math/sampling.h"
 #include "radiosity/internal.h"
+#include "radiosity/visible.h"
 
 bool row_cast_create(RowCast *row, uint32_t rays, uint32_t lamp_rays, Error *err)
 {
@@ -58,6 +59,7 @@ static void make_rays(RowCast *row, const Room *room, uint32_t patch, uint32_t s
         if (k < row->positions) {
             *p = (CastPosition){ .good = 0 };
             patches_point(room->patches, room->surfaces, patch, x[0], x[1], &p->at);
+            visible_move(room, &p->at);
         }
         const Vec3 n = p->at.point.normal, local = sampling_cosine(x[2], x[3]);
         Vec3 u, v;
@@ -87,10 +89,12 @@ static uint32_t judge_positions(RowCast *row, const Room *room)
                                   : room_patch(room, &row->hit[k], ray_direction(&row->ray[k]),
                                                &end->surface, &end->s, &end->t);
         end->escaped = end->escaped || (room->sides_given && end->patch == PATCH_NONE);
-        if (end->escaped || end->patch != PATCH_NONE)
+        if (!end->escaped && end->patch == PATCH_NONE)
+            p->bad++;
+        else if (end->escaped || !visible_at_seam(room, end->surface, end->s, end->t))
             p->good++;
         else
-            p->bad++;
+            end->patch = PATCH_NONE;
     }
     uint32_t rays = 0;
     row->valid_count = 0;

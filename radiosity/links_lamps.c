@@ -8,6 +8,7 @@
 #include "base/array.h"
 #include "math/sampling.h"
 #include "radiosity/internal.h"
+#include "radiosity/visible.h"
 
 bool lamp_table_create(const Room *room, LampTable *lamps, Error *err)
 {
@@ -108,6 +109,7 @@ static LampSample aim(const LampAim *a, const PatchPoint *from, double u, double
     double rest;
     sample.lamp = lamp_table_choose(a->lamps, u, &rest);
     patches_point(room->patches, room->surfaces, sample.lamp, rest, v, &to);
+    visible_move(room, &to);
     const Vec3 p = from->point.point, q = to.point.point;
     const Vec3 way = vec3_sub(q, p);
     const double distance = vec3_length(way);
@@ -139,10 +141,12 @@ void row_cast_lamps(RowCast *row, const Room *room, const LampTable *lamps, uint
         float x[4];
         PatchPoint from;
         sampling_sobol4(m, seed, x);
-        if (whole)
+        if (whole) {
             patches_point(room->patches, room->surfaces, patch, x[0], x[1], &from);
-        else
+            visible_move(room, &from);
+        } else {
             from = row->position[row->valid[(uint64_t)m * row->valid_count / row->lamp_rays]].at;
+        }
         weights += from.weight;
         const LampSample sample = aim(&common, &from, x[2], x[3]);
         if (sample.share > 0) {
