@@ -304,7 +304,8 @@ static void receive(Wave *wave, unsigned level, uint32_t count, const WaveOption
 {
     assert(level < WAVE_LEVELS && count <= WAVE_RAYS);
     receive_lamps(wave, level, count, options, false);
-    if (options->lights && wave->gatherer->room->light_count > 0)
+    /* Who sees to the point lights at the points themselves does not where rays end. */
+    if ((options->lights || level > 0) && wave->gatherer->room->light_count > 0)
         receive_lamps(wave, level, count, options, true);
     const uint32_t rays = level == 0 ? options->gather_rays : 1;
     for (uint32_t begin = 0; begin < count * rays; begin += WAVE_RAYS) {

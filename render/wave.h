@@ -51,7 +51,8 @@ typedef struct {
 typedef struct {
     uint32_t gather_rays, lamp_rays; /* per point; > 0 */
     uint32_t seed;                   /* sequences: lamps, lights, directions of each level */
-    bool     lights;                 /* point lights, one of them by chance per lamp ray */
+    bool     lights;                 /* point lights at the points themselves as well, one of
+                                        them by chance per lamp ray; where rays end, always */
     bool     clear;                  /* light passes through glass; else it is opaque, as it is for
                                         the solver */
     const double *lamp_shares;       /* from lamps_aim, or NULL */
