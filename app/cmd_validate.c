@@ -23,7 +23,7 @@ bool validation_run(const Validation *validation, Scene *scene, const CaseSetup 
                               .closure = (int)setup->closure, .sides = (int)setup->sides,
                               .patches = setup->patches, .rays = setup->rays, .unit_m = 1,
                               .threads = asked->threads, .seed = asked->seed,
-                              .tolerance = SOLVE_TOLERANCE };
+                              .tolerance = SOLVE_TOLERANCE, .no_adapt = true };
     session_init(session, &options);
     session->quiet = true;
     *pipeline = (Pipeline){ .session = session, .scene = scene, .point = setup->point,
