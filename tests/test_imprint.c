@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Faces cut along the lines where others stand on them: known pieces, no area lost, whatever is
+ * not concerned left as it was. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+
+#include "inspect/imprint.h"
+#include "tests/room_maker.h"
+
+static const Vec3 ORIGIN = { 0, 0, 0 };
+
+/* Sums of a few hundred terms, each rounded. */
+static bool is_near(double a, double b)
+{
+    return fabs(a - b) <= rounding_bound(1000) * fabs(b);
+}
+
+static Imprint imprinted(const TestRoom *r, uint32_t most)
+{
+    Error err = { 0 };
+    Imprint im;
+    assert_true(imprint_create(&r->soup, &(ImprintOptions){ .most = most }, &im, NULL, &err));
+    assert_true(polygons_check(&im.soup));
+    assert_int_equal(im.original, r->soup.polygon_count);
+    assert_int_equal(im.soup.polygon_count, im.original + im.pieces);
+    for (size_t i = 0; i < im.original; i++)
+        assert_int_equal(im.face[i], i);
+    return im;
+}
+
+static double polygon_size(const Polygons *soup, size_t i)
+{
+    Vec3 sum = { 0 };
+    const Vec3 o = soup->position[soup->corner[soup->first[i]]];
+    for (uint32_t k = soup->first[i] + 1; k + 1 < soup->first[i + 1]; k++)
+        sum = vec3_add(sum, vec3_cross(vec3_sub(soup->position[soup->corner[k]], o),
+                                       vec3_sub(soup->position[soup->corner[k + 1]], o)));
+    return vec3_length(sum) / 2;
+}
+
+/* Pieces of a face of the original, and their area in all. */
+static uint32_t pieces_of(const Imprint *im, uint32_t face, double *area)
+{
+    uint32_t count = 0;
+    *area = 0;
+    for (size_t i = 0; i < im->soup.polygon_count; i++)
+        if (im->face[i] == face) {
+            *area += polygon_size(&im->soup, i);
+            count++;
+        }
+    return count;
+}
+
+/* Nothing is cut where faces meet at their borders only, or not at all. */
+static void test_untouched(void **state)
+{
+    (void)state;
+    TestRoom r = { 0 };
+    const uint32_t wall = room_material(&r, 0.5, 0);
+    room_box(&r, ORIGIN, vec3(4, 3, 2), BOX_ALL, true, wall, "");
+    room_box(&r, vec3(1, 1, 0.5), vec3(2, 2, 1), BOX_ALL, false, wall, "b-"); /* in the air */
+    Imprint im = imprinted(&r, 0);
+    assert_int_equal(im.pieces, 0);
+    assert_int_equal(im.cut, 0);
+    assert_int_equal(im.soup.vertex_count, r.soup.vertex_count);
+    imprint_clear(&im);
+    room_clear(&r);
+}
+
+/* A box on the floor cuts it into nine: its four lines go on to the walls. */
+static void test_box_on_floor(void **state)
+{
+    (void)state;
+    static const double sunk[] = { 0, -0.1 };
+    for (int k = 0; k < 2; k++) {
+        TestRoom r = { 0 };
+        const uint32_t wall = room_material(&r, 0.5, 0);
+        room_quad(&r, ORIGIN, vec3(4, 0, 0), vec3(0, 3, 0), wall, "floor");
+        room_box(&r, vec3(1, 1, sunk[k]), vec3(2, 2, 1), BOX_ALL - BOX_Z0, false, wall, "b-");
+        Imprint im = imprinted(&r, 0);
+        double area;
+        assert_int_equal(pieces_of(&im, 0, &area), 9);
+        assert_true(is_near(area, 12));
+        /* Sunk, the box's sides are cut by the floor; else not. */
+        for (uint32_t side = 1; side < 5; side++) {
+            assert_int_equal(pieces_of(&im, side, &area), k == 0 ? 1 : 2);
+            assert_true(is_near(area, 1 - sunk[k]));
+        }
+        imprint_clear(&im);
+        room_clear(&r);
+    }
+}
+
+/* A wall that ends in the middle: the edges under it are marked, those beyond are not, and surfaces
+ * are no neighbours across the former. */
+static void test_wall_end(void **state)
+{
+    (void)state;
+    TestRoom r = { 0 };
+    Error err = { 0 };
+    const uint32_t wall = room_material(&r, 0.5, 0);
+    room_quad(&r, ORIGIN, vec3(4, 0, 0), vec3(0, 3, 0), wall, "floor");
+    room_quad(&r, vec3(1, 0, 0), vec3(0, 2, 0), vec3(0, 0, 1), wall, "wall");
+    Imprint im = imprinted(&r, 0);
+    double area, marked = 0;
+    assert_int_equal(pieces_of(&im, 0, &area), 4);
+    assert_true(is_near(area, 12));
+    for (size_t i = 0; i < im.soup.polygon_count; i++)
+        for (uint32_t k = im.soup.first[i]; im.face[i] == 0 && k < im.soup.first[i + 1]; k++) {
+            const uint32_t next = k + 1 < im.soup.first[i + 1] ? k + 1 : im.soup.first[i];
+            if (im.soup.contact[k])
+                marked += vec3_length(vec3_sub(im.soup.position[im.soup.corner[next]],
+                                               im.soup.position[im.soup.corner[k]]));
+        }
+    assert_true(is_near(marked, 2 * 2)); /* from both sides */
+    Surfaces *s = surfaces_create(&im.soup, NULL, &err);
+    assert_non_null(s);
+    imprint_finish(&im, s);
+    assert_true(surfaces_check(s));
+    uint32_t floors = 0, links = 0;
+    for (uint32_t i = 0; i < s->count; i++) {
+        assert_true(s->surface[i].face < 2);
+        floors += s->surface[i].face == 0;
+        for (int k = 0; k < 4 && s->surface[i].face == 0; k++)
+            links += s->surface[i].neighbour[k] != SURFACE_NONE;
+    }
+    assert_int_equal(floors, 4);
+    assert_int_equal(links, 6); /* four pieces, three of their four borders, from both sides */
+    surfaces_destroy(s);
+    imprint_clear(&im);
+    room_clear(&r);
+}
+
+/* A lamp in the plane of the ceiling, whichever way it is wound: the ceiling gives way to it. */
+static void test_lamp_in_plane(void **state)
+{
+    (void)state;
+    for (int up = 0; up < 2; up++) {
+        TestRoom r = { 0 };
+        const uint32_t wall = room_material(&r, 0.5, 0), lamp = room_material(&r, 0, 1);
+        const Vec3 x = { 1, 0, 0 }, y = { 0, 1, 0 };
+        room_quad(&r, vec3(0, 0, 2), vec3(0, 3, 0), vec3(4, 0, 0), wall, "ceiling");
+        room_quad(&r, vec3(1, 1, 2), up ? x : y, up ? y : x, lamp, "lamp");
+        Imprint im = imprinted(&r, 0);
+        double area;
+        assert_int_equal(pieces_of(&im, 0, &area), 8);
+        assert_true(is_near(area, 11));
+        assert_int_equal(pieces_of(&im, 1, &area), 1);
+        assert_true(is_near(area, 1));
+        assert_int_equal(im.covered, 1);
+        imprint_clear(&im);
+        room_clear(&r);
+    }
+}
+
+/* A concave floor, a wall through a carpet, hundreds of legs: no area is lost, and pieces meet
+ * corner to corner. */
+static void test_many(void **state)
+{
+    (void)state;
+    TestRoom r = { 0 };
+    Error err = { 0 };
+    const uint32_t wall = room_material(&r, 0.5, 0);
+    const Vec3 outline[6] = { { 0, 0, 0 }, { 6, 0, 0 }, { 6, 2, 0 }, { 3, 2, 0 }, { 3, 5, 0 },
+                              { 0, 5, 0 } };
+    uint32_t corner[6], group = 0;
+    for (int k = 0; k < 6; k++)
+        assert_true(polygons_add_vertex(&r.soup, outline[k], &corner[k], &err));
+    assert_true(polygons_add_group(&r.soup, "floor", &group, &err));
+    assert_true(polygons_add_polygon(&r.soup, corner, 6, wall, group, &err));
+    for (int k = 0; k < 100; k++) {
+        const double x = 0.2 + 0.26 * (k % 10), y = 0.3 + 0.41 * (k / 10) + 0.013 * (k % 10);
+        room_box(&r, vec3(x, y, 0), vec3(x + 0.05, y + 0.07, 0.5), BOX_ALL - BOX_Z0, false, wall,
+                 "leg-");
+    }
+    Imprint im = imprinted(&r, 0);
+    double area;
+    assert_true(pieces_of(&im, 0, &area) > 100);
+    assert_true(is_near(area, 6 * 2 + 3 * 3));
+    Surfaces *s = surfaces_create(&im.soup, NULL, &err);
+    assert_non_null(s);
+    imprint_finish(&im, s);
+    assert_true(surfaces_check(s));
+    assert_int_equal(s->repairs.stitched, 0);
+    surfaces_destroy(s);
+    const uint32_t all = im.pieces;
+    imprint_clear(&im);
+    im = imprinted(&r, 20); /* not that many: the face is cut as far as that goes */
+    assert_true(im.pieces < all);
+    pieces_of(&im, 0, &area);
+    assert_true(is_near(area, 6 * 2 + 3 * 3));
+    imprint_clear(&im);
+    room_clear(&r);
+}
+
+static void test_memory(void **state)
+{
+    (void)state;
+    TestRoom r = { 0 };
+    const uint32_t wall = room_material(&r, 0.5, 0);
+    room_box(&r, ORIGIN, vec3(4, 3, 2), BOX_ALL, true, wall, "");
+    room_box(&r, vec3(1, 1, 0), vec3(2, 2, 1), BOX_ALL - BOX_Z0, false, wall, "b-");
+    const long before = array_live();
+    bool made = false;
+    for (long n = 0; n < 500 && !made; n++) {
+        Error err = { 0 };
+        Imprint im;
+        array_fail_after(n);
+        made = imprint_create(&r.soup, NULL, &im, NULL, &err);
+        array_fail_after(-1);
+        assert_int_equal(err.code, made ? ERROR_NONE : ERROR_MEMORY);
+        if (made)
+            imprint_clear(&im);
+        assert_int_equal(array_live(), before);
+    }
+    assert_true(made);
+    room_clear(&r);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_untouched), cmocka_unit_test(test_box_on_floor),
+        cmocka_unit_test(test_wall_end),  cmocka_unit_test(test_lamp_in_plane),
+        cmocka_unit_test(test_many),      cmocka_unit_test(test_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
