@@ -215,7 +215,7 @@ static bool find_other(const Compare *c, uint32_t face, Vec3 point, NearestFace 
     const Vec3 area = polygon_area(&polygon);
     const double own = sqrt(vec3_length(area));
     if (group == NO_GROUP ||
-        !nearest_face_find(c->faces, point, vec3_unit(area), group, m->side[face],
+        !nearest_face_find(c->faces, point, vec3_unit(area), group,
                            CHORD * (own + c->largest) + c->rounding, other))
         return false;
     const IndexPolygon found = face_polygon(c->mesh, other->face);
@@ -259,7 +259,7 @@ static bool compare_points(const Compare *c, uint32_t seed, MeshComparison *out,
     }
     if (!(out->all.matched > 0))
         return error_set(err, ERROR_INPUT, "nothing to compare: no point of the reference lies on "
-                         "a face of the same group and side");
+                         "a face of the same group that looks the same way");
     const double scale = out->all.mean / out->all.matched;
     if (!(scale > 0))
         return error_set(err, ERROR_INPUT, "nothing to compare: the reference is dark");

@@ -153,7 +153,6 @@ typedef struct {
     const NearestFaces *n;
     Vec3         point, normal;
     uint32_t     group;
-    unsigned     side;
     double       best;   /* square of the distance */
     bool         found;
     NearestFace *out;
@@ -195,7 +194,7 @@ static double box_distance(const Box *box, Vec3 p)
 static void look_at(Search *s, const Triangle *t)
 {
     const SolvedMesh *m = s->n->mesh;
-    if (m->group[t->face] != s->group || m->side[t->face] != s->side ||
+    if (m->group[t->face] != s->group ||
         !(vec3_dot(s->n->normal[t->face], s->normal) >= LIKE_COSINE))
         return;
     const Vec3 q = triangle_nearest(s->point, corner_of(s->n, t, 0), corner_of(s->n, t, 1),
@@ -229,9 +228,9 @@ static void descend(Search *s, size_t node, size_t begin, size_t end)
 }
 
 bool nearest_face_find(const NearestFaces *faces, Vec3 point, Vec3 normal, uint32_t group,
-                       unsigned side, double reach, NearestFace *out)
+                       double reach, NearestFace *out)
 {
-    Search s = { .n = faces, .point = point, .normal = normal, .group = group, .side = side,
+    Search s = { .n = faces, .point = point, .normal = normal, .group = group,
                  .best = reach * reach, .out = out };
     if (faces->triangle_count > 0)
         descend(&s, 0, 0, faces->triangle_count);

@@ -18,9 +18,9 @@ typedef struct {
     Vec3     point;     /* on the face's triangles */
 } NearestFace;
 
-/* The nearest face of group `group` and that side whose normal is within 60 degrees of `normal`, at
+/* The nearest face of group `group` whose normal is within 60 degrees of `normal`, at
  * most `reach` away; of equals the first. False: there is none. */
 bool nearest_face_find(const NearestFaces *faces, Vec3 point, Vec3 normal, uint32_t group,
-                       unsigned side, double reach, NearestFace *out);
+                       double reach, NearestFace *out);
 
 #endif

@@ -7,7 +7,7 @@
 #include "app/model.h"
 #include "app/validate.h"
 
-enum { PATCHES = 6000, RAYS = 512 };
+enum { PATCHES = 6000, RAYS = 2048 };
 
 /* What a fine mesh is asked for, absolute at an exitance of 1. */
 static const double FINE_MESH = 2e-4;
