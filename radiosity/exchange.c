@@ -101,7 +101,8 @@ bool exchange_flux(const ExchangeProblem *p, const double *temperature, double s
     double *k = array_create(n * n, sizeof *k, "heat exchange", err);
     if (k == NULL)
         return false;
-    /* Irradiance H = F J + escape * outside, J = eps E + (1 - eps) H: (I - F rho) H = F eps E + . */
+    /* Irradiance H = F J + escape * outside and J = eps E + (1 - eps) H give
+     * (I - F rho) H = F eps E + escape * outside. */
     const double outside = EXCHANGE_STEFAN_BOLTZMANN * pow(surroundings, 4);
     fill_matrix(p, k);
     for (size_t i = 0; i < n; i++) {

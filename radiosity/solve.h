@@ -67,8 +67,8 @@ typedef struct {
 
 /* Progressive refinement shoots from the patch with the greatest unshot power [cohen88], with the
  * matrix' own column, so that all solvers solve the same system. Conjugate gradients rely on
- * reciprocity (closure both): what links lack of it costs fresh starts. Stopped by max_iterations or the
- * monitor, the result holds the ambient estimate for what was not shot.
+ * reciprocity (closure both): what links lack of it costs fresh starts. Progressive refinement
+ * stopped by max_iterations or the monitor holds the ambient estimate for what was not shot.
  * owns   the caller frees with solution_destroy.
  * fails  NULL; ERROR_MEMORY; ERROR_INPUT for values out of range. A stop by the monitor gives a
  * solution with converged false. */

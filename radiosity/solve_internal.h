@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* radiosity/solve_internal.h -- solvers on stored links beside the plain sweeps; this folder only. */
+/* radiosity/solve_internal.h -- solvers on stored links beside the plain sweeps; this folder
+ * only. */
 #ifndef RADIOSITY_SOLVE_INTERNAL_H
 #define RADIOSITY_SOLVE_INTERNAL_H
 

@@ -331,7 +331,8 @@ static bool cut_out(Vs3Reader *r, size_t *count, const Piece *cover, double leas
     return true;
 }
 
-/* Pieces of surface i less all that lies on it; the first *count entries of r->piece, some empty. */
+/* Pieces of surface i less all that lies on it: the first *count entries of r->piece, some
+ * empty. */
 static bool cut_surface(Vs3Reader *r, size_t i, size_t *count, Error *err)
 {
     const Vs3Surface *s = &r->surface[i];
