@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { ADAPT_PASSES = 5 };
+enum { ADAPT_PASSES = 8 };
 
 typedef struct {
     unsigned passes;

@@ -9,9 +9,16 @@
 #include "base/array.h"
 #include "radiosity/adapt.h"
 
-/* Patches wanted for one at the beginning, and for one before a pass, at most: each pass divides a
- * fifth of the patches or so, the more passes the finer the choice. */
-static const double START_SHARE = 1.0 / 8, PASS_GROWTH = 1.7;
+/* Patches at the beginning for one wanted. Where light changes little they stay as they are; coarser
+ * ones would have the shapes that happen to fit, not square ones. */
+static const double START_SHARE = 1.0 / 4;
+
+/* A pass divides patches whose error is above this many times the mean; the last one as many as are
+ * wanted. Where a few patches have most of the error it takes many passes. */
+static const double WORTH_DIVIDING = 2, WORTH_AT_LAST = 1e-3;
+
+/* Share of the patches still wanted that a pass may add, but for the last. */
+static const double PASS_SHARE = 0.6;
 
 /* In between, light need not be known better than this, in power: far below what patches that large
  * leave out. */
@@ -154,29 +161,57 @@ static bool find_errors(Adaption *a, Pass *pass, double *relative, Error *err)
 
 /* --- dividing --------------------------------------------------------------------------------- */
 
-/* Divides the worst patches so that about `goal` result. *finer is NULL when nothing is worth it. */
-static bool divide(Adaption *a, Pass *pass, uint32_t goal, Patches **finer, uint32_t **parent,
-                   Error *err)
+/* A merged patch gives way to two: to keep up with cells, which give way to four, its parts are
+ * divided once more. */
+static bool divide_parts(const Pipeline *pipeline, const uint8_t *split, Patches **finer,
+                         uint32_t **parent, Error *err)
+{
+    const Patches *old = pipeline->patches, *parts = *finer;
+    uint8_t *again = array_create(parts->count, 1, "patches to divide", err);
+    uint32_t *within = NULL, count = 0;
+    Patches *finest = NULL;
+    for (uint32_t i = 0; again != NULL && i < parts->count; i++) {
+        const uint32_t p = (*parent)[i];
+        again[i] = split[p] != 0 && old->first_piece[p + 1] > old->first_piece[p] &&
+                   parts->first_piece[i + 1] > parts->first_piece[i];
+        count += again[i];
+    }
+    if (count > 0)
+        finest = patches_split(parts, pipeline->surfaces, again, &within, err);
+    if (finest != NULL) {
+        for (uint32_t i = 0; i < finest->count; i++)
+            within[i] = (*parent)[within[i]];
+        patches_destroy(*finer);
+        array_free(*parent);
+        *finer = finest;
+        *parent = within;
+    }
+    array_free(again);
+    return !error_is_set(err);
+}
+
+/* Divides the worst patches so that at most about `goal` result. *finer is NULL when nothing is
+ * worth it. */
+static bool divide(Adaption *a, Pass *pass, double goal, double worth, Patches **finer,
+                   uint32_t **parent, Error *err)
 {
     const Pipeline *pipeline = a->pipeline;
     const double count = pipeline->patches->count, more = goal - count;
     double aim = more;
-    *finer = NULL;
-    *parent = NULL;
     for (int k = 0; k < SPLIT_TRIES; k++) {
         uint32_t chosen = 0;
-        if (!adapt_choose(&pipeline->room, pass->error, (uint32_t)(count + aim), pass->split,
-                          &chosen, err))
+        if (!adapt_choose(&pipeline->room, pass->error, (uint32_t)(count + aim), worth,
+                          pass->split, &chosen, err))
             return false;
         if (chosen == 0)
             return true;
         *finer = patches_destroy(*finer);
         *parent = array_free(*parent);
         *finer = patches_split(pipeline->patches, pipeline->surfaces, pass->split, parent, err);
-        if (*finer == NULL)
+        if (*finer == NULL || !divide_parts(pipeline, pass->split, finer, parent, err))
             return false;
         const double got = (*finer)->count - count;
-        if (!(got > 0) || fabs(got - more) <= COUNT_TOLERANCE * goal)
+        if (!(got > more + COUNT_TOLERANCE * goal))
             return true;
         aim *= more / got;
     }
@@ -207,7 +242,7 @@ static bool take(Adaption *a, Patches *finer, const uint32_t *parent, Error *err
 }
 
 /* One pass; *more is false when there is nothing left to divide. */
-static bool run_pass(Adaption *a, uint32_t goal, bool *more, Error *err)
+static bool run_pass(Adaption *a, double goal, double worth, bool *more, Error *err)
 {
     AdaptReport *report = a->report;
     Pass pass = { 0 };
@@ -216,7 +251,7 @@ static bool run_pass(Adaption *a, uint32_t goal, bool *more, Error *err)
     const double begin = progress_now();
     bool done = light_roughly(a, &pass, err) &&
                 find_errors(a, &pass, &report->error[report->passes], err) &&
-                divide(a, &pass, goal, &finer, &parent, err);
+                divide(a, &pass, goal, worth, &finer, &parent, err);
     report->seconds += progress_now() - begin;
     *more = done && finer != NULL && finer->count > a->pipeline->patches->count;
     pass_clear(&pass);
@@ -247,14 +282,16 @@ bool pipeline_adapt(Pipeline *pipeline, uint64_t max_bytes, AdaptReport *report,
         a.wanted = (uint32_t)(start / START_SHARE);
     if (!(a.least_size > 0))
         a.least_size = LEAST_SHARE * pipeline->patches->size;
-    const double growth = (double)a.wanted / start;
-    double passes = fmin(fmax(ceil(log(growth) / log(PASS_GROWTH)), 1), ADAPT_PASSES);
-    bool more = growth > 1 + COUNT_TOLERANCE;
-    for (unsigned k = 1; more && k <= passes; k++) {
-        const double goal = start * pow(growth, k / passes);
-        a.begin = pow(growth, (k - 1) / passes - 1);
-        a.end = pow(growth, k / passes - 1);
-        if (!run_pass(&a, (uint32_t)goal, &more, err)) {
+    bool more = true;
+    for (unsigned k = 1; more && k <= ADAPT_PASSES; k++) {
+        const double count = pipeline->patches->count;
+        const bool last = k == ADAPT_PASSES;
+        const double goal = count + (last ? 1 : PASS_SHARE) * (a.wanted - count);
+        if (count >= (1 - COUNT_TOLERANCE) * a.wanted)
+            break;
+        a.begin = count / a.wanted;
+        a.end = goal / a.wanted;
+        if (!run_pass(&a, goal, last ? WORTH_AT_LAST : WORTH_DIVIDING, &more, err)) {
             if (!stopped(&a, err))
                 return false;
             more = false;

@@ -31,9 +31,9 @@ bool adapt_errors(const Room *room, const Links *links, const double *irradiance
                   const AdaptOptions *options, double *error, const Monitor *monitor, Error *err);
 
 /* Marks in split [patches->count] the patches with the largest error^2 * area, so many that about
- * `wanted` patches result; none whose share of the whole is negligible. *chosen is how many.
+ * `wanted` patches result; none below `worth` times the mean. *chosen is how many.
  * fails  false and ERROR_MEMORY. */
-bool adapt_choose(const Room *room, const double *error, uint32_t wanted, uint8_t *split,
-                  uint32_t *chosen, Error *err);
+bool adapt_choose(const Room *room, const double *error, uint32_t wanted, double worth,
+                  uint8_t *split, uint32_t *chosen, Error *err);
 
 #endif

@@ -7,10 +7,6 @@
 #include "base/array.h"
 #include "radiosity/adapt.h"
 
-/* Dividing goes on for the sake of the picture, not of a number: a patch whose error is this small
- * beside that of an average one is left whole, however many are wanted. */
-static const double NEGLIGIBLE = 1e-3;
-
 typedef struct {
     double   gain;
     uint32_t patch;
@@ -24,14 +20,15 @@ static int by_gain(const void *a, const void *b)
     return x->patch < y->patch ? -1 : x->patch > y->patch;
 }
 
-/* A cell gives way to four; a merged patch at least to two. */
+/* A cell gives way to four, a merged patch of two pieces to two. */
 static uint32_t more_patches(const Patches *patches, uint32_t i)
 {
-    return patches->first_piece[i + 1] > patches->first_piece[i] ? 1 : 3;
+    const uint32_t pieces = patches->first_piece[i + 1] - patches->first_piece[i];
+    return pieces > 0 && pieces < 4 ? pieces - 1 : 3;
 }
 
-bool adapt_choose(const Room *room, const double *error, uint32_t wanted, uint8_t *split,
-                  uint32_t *chosen, Error *err)
+bool adapt_choose(const Room *room, const double *error, uint32_t wanted, double worth,
+                  uint8_t *split, uint32_t *chosen, Error *err)
 {
     assert(room != NULL && error != NULL && split != NULL && chosen != NULL);
     const Patches *patches = room->patches;
@@ -52,7 +49,7 @@ bool adapt_choose(const Room *room, const double *error, uint32_t wanted, uint8_
     uint32_t reached = patches->count;
     for (uint32_t k = 0; k < count; k++) {
         const uint32_t more = more_patches(patches, list[k].patch);
-        if (list[k].gain < NEGLIGIBLE * total / patches->count || reached + more > wanted)
+        if (list[k].gain < worth * total / patches->count || reached + more > wanted)
             break;
         reached += more;
         split[list[k].patch] = 1;

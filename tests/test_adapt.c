@@ -132,7 +132,7 @@ static void test_choose(void **state)
     double *error = errors_of(&r, &(AdaptOptions){ 0 });
     uint8_t *split = array_create(count, 1, "marks", &err);
     uint32_t chosen = 0;
-    assert_true(adapt_choose(&r.room, error, count + 12, split, &chosen, &err));
+    assert_true(adapt_choose(&r.room, error, count + 12, 0, split, &chosen, &err));
     assert_int_equal(chosen, 4);
     for (uint32_t i = 0; i < count; i++) {
         const double x = r.patches->centre[i].x;
@@ -140,10 +140,10 @@ static void test_choose(void **state)
         assert_int_equal(split[i], floor && r.patches->side[i] == 0 && x > 1 && x < 2);
     }
     /* However many are wanted, none without error. */
-    assert_true(adapt_choose(&r.room, error, 1000 * count, split, &chosen, &err));
+    assert_true(adapt_choose(&r.room, error, 1000 * count, 0, split, &chosen, &err));
     assert_in_range(chosen, 8, 12);
     /* No room for the parts of even one. */
-    assert_true(adapt_choose(&r.room, error, count + 2, split, &chosen, &err));
+    assert_true(adapt_choose(&r.room, error, count + 2, 0, split, &chosen, &err));
     assert_int_equal(chosen, 0);
     array_free(error);
     error = errors_of(&r, &(AdaptOptions){ .least_size = 0.6 });
@@ -191,7 +191,7 @@ static void test_memory(void **state)
         array_fail_after(n);
         const bool done = adapt_errors(&r.room, links, light, &(AdaptOptions){ .threads = 2 },
                                        error, NULL, &err) &&
-                          adapt_choose(&r.room, error, 100, split, &chosen, &err);
+                          adapt_choose(&r.room, error, 100, 0, split, &chosen, &err);
         array_fail_after(-1);
         assert_int_equal(array_live(), live);
         assert_int_equal(done, !error_is_set(&err));
