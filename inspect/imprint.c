@@ -11,7 +11,9 @@
 #include "inspect/imprint_internal.h"
 #include "math/tolerance.h"
 
-enum { PIECES_MOST = 20000, FACE_PIECES_MOST = 2048, FACES_A_STEP = 256 };
+/* One face may take this share of the pieces: things of many small faces that stand on a large one
+ * must leave some for the walls. */
+enum { PIECES_MOST = 20000, FACE_PIECES_LEAST = 64, FACE_SHARE = 16, FACES_A_STEP = 256 };
 
 /* Faces smaller than this share of the whole area are left to the sampling of patches: they are
  * smaller than any patch, and there are millions of them. */
@@ -35,6 +37,7 @@ typedef struct {
     size_t          line_capacity;
     FaceRank       *rank;         /* [ranked]  largest first */
     uint32_t        ranked, left; /* left: pieces that may still be added */
+    uint32_t        face_most;    /* to one face */
     Imprint        *out;
     Error          *err;
 } Imprinter;
@@ -89,7 +92,7 @@ static bool cut_parts(Imprinter *im, uint32_t face, bool *changed, bool *covered
     *changed = *covered = false;
     im->raw.count = im->lines = 0;
     for (uint32_t k = parts->first[face]; k < parts->first[face + 1]; k++) {
-        const uint32_t most = im->left < FACE_PIECES_MOST ? im->left : FACE_PIECES_MOST;
+        const uint32_t most = im->left < im->face_most ? im->left : im->face_most;
         if (!imprint_contacts_find(parts, k, &im->contacts, im->err) || !keep_barriers(im)
             || !imprint_cut(&im->knife, k, &im->contacts, most + 1))
             return false;
@@ -237,7 +240,9 @@ bool imprint_create(const Polygons *soup, const ImprintOptions *options, Imprint
     if (error_is_set(err))
         return false;
     const uint32_t most = options != NULL && options->most > 0 ? options->most : PIECES_MOST;
-    Imprinter im = { .out = out, .err = err, .left = most };
+    const uint32_t share = most / FACE_SHARE;
+    Imprinter im = { .out = out, .err = err, .left = most,
+                     .face_most = share > FACE_PIECES_LEAST ? share : FACE_PIECES_LEAST };
     im.knife = (ImprintKnife){ .parts = &im.parts, .points = &im.points, .err = err };
     bool ok = imprint_parts_create(&im.parts, soup, err)
            && array_reserve((void **)&im.points.position, &im.points.capacity,
