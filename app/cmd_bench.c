@@ -13,7 +13,7 @@
 typedef enum { RAYS_CAMERA, RAYS_HEMISPHERE, RAYS_VISIBILITY, RAYS_KINDS } RayKind;
 
 /* A chunk is what one thread takes at a time: enough rays to be traced in company. */
-enum { RAY_CHUNK = 1024, RAYS_MOST = 1 << 20 };
+enum { RAY_CHUNK = 16384, RAYS_MOST = 1 << 20 };
 /* Long enough that starting threads does not count. */
 static const double BENCH_SECONDS = 1.0;
 
@@ -95,8 +95,8 @@ static void trace_chunk(void *context, uint32_t begin, uint32_t end, unsigned wo
         bvh_blocked_many(bench->pipeline->bvh, bench->ray + begin, bench->blocked + begin,
                          end - begin);
     else
-        bvh_nearest_many(bench->pipeline->bvh, bench->ray + begin, bench->hit + begin,
-                         end - begin);
+        (bench->kind == RAYS_CAMERA ? bvh_nearest_beam : bvh_nearest_many)(
+            bench->pipeline->bvh, bench->ray + begin, bench->hit + begin, end - begin);
 }
 
 /* Rays per second of one kind, tracing alone: the rays are made before the clock starts. */

@@ -12,7 +12,7 @@ static void soups_agree(void **state)
         uint32_t triangles, rays;
         double   size;
     } table[] = { { 1, 20000, 1 }, { 3, 20000, 1 }, { 9, 30000, 0.5 }, { 40, 50000, 0.4 },
-                  { 150, 100000, 0.3 }, { 400, 60000, 0.1 }, { 3000, 5000, 0.02 } };
+                  { 150, 50000, 0.3 }, { 400, 60000, 0.1 }, { 3000, 5000, 0.02 } };
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         Scene *s = soup_create(table[i].triangles, table[i].size, 7 + i);
         compare_scene(s, table[i].rays, vec3(0, 0, 0), 1.5, 70 + i);
@@ -45,7 +45,7 @@ static void room_agrees(void **state)
 {
     (void)state;
     Scene *s = room_create();
-    compare_scene(s, 200000, vec3(5, 5, 5), 6, 3);
+    compare_scene(s, 100000, vec3(5, 5, 5), 6, 3);
     scene_destroy(s);
 }
 
@@ -72,7 +72,7 @@ static void lattice_rays_agree(void **state)
     Scene *s = room_create();
     Trees trees = trees_create(&s->in);
     Random r = { 31 };
-    for (uint32_t i = 0; i < 200000 / SLOWER; i++) {
+    for (uint32_t i = 0; i < 100000 / SLOWER; i++) {
         Vec3 o, d;
         do {
             o = vec3(floor(random_unit(&r) * 11), floor(random_unit(&r) * 11),

@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* raycast/packet_leaf.h -- a packet of rays against the triangles of a leaf.
+ *
+ * Hits are decided with the same operations as in probe.h, lane by lane, so they are the same bits.
+ */
+#ifndef RAYCAST_PACKET_LEAF_H
+#define RAYCAST_PACKET_LEAF_H
+
+#include "raycast/packet.h"
+
+/* best_offer for the lanes of `ok`, whose hits are at t > t_min and within the limit. */
+LANES_INLINE void packet_offer(Packet *p, unsigned ok, unsigned back, uint32_t primitive,
+                               uint32_t place, Floats t, Floats u, Floats v)
+{
+    const Words key = words_pick(back, words_all(primitive | BEST_BACK), words_all(primitive));
+    unsigned before = floats_less(t, p->t);
+    const unsigned same = floats_equal(t, p->t) & ok;
+    if (__builtin_expect(same != 0, 0))
+        before |= same & words_less(key, p->key);
+    before &= ok;
+    const unsigned displaced = before & back & p->front;
+    if (displaced != 0) {
+        p->facing_t = floats_pick(displaced, p->t, p->facing_t);
+        p->facing_u = floats_pick(displaced, p->u, p->facing_u);
+        p->facing_v = floats_pick(displaced, p->v, p->facing_v);
+        p->facing_key = words_pick(displaced, p->key, p->facing_key);
+        p->facing_place = words_pick(displaced, p->place, p->facing_place);
+    }
+    unsigned second = ok & ~before & ~back & p->back;
+    if (second != 0) {
+        second &= floats_less(t, p->facing_t)
+                  | (floats_equal(t, p->facing_t) & words_less(key, p->facing_key));
+        p->facing_t = floats_pick(second, t, p->facing_t);
+        p->facing_u = floats_pick(second, u, p->facing_u);
+        p->facing_v = floats_pick(second, v, p->facing_v);
+        p->facing_key = words_pick(second, key, p->facing_key);
+        p->facing_place = words_pick(second, words_all(place), p->facing_place);
+    }
+    p->t = floats_pick(before, t, p->t);
+    p->u = floats_pick(before, u, p->u);
+    p->v = floats_pick(before, v, p->v);
+    p->key = words_pick(before, key, p->key);
+    p->place = words_pick(before, words_all(place), p->place);
+    p->front = (p->front & ~before) | (before & ~back);
+    p->back = (p->back & ~before) | (before & back);
+    p->limit = floats_pick(before, p->t, p->limit);
+    if (p->back != 0)
+        p->limit = floats_pick(p->back & (before | second),
+                               floats_min(p->t + p->reach, p->facing_t), p->limit);
+}
+
+/* The three corners as the rays see them. */
+typedef struct {
+    Floats x[3], y[3], z[3];
+} Seen;
+
+/* What the float filter lets through is decided in double: probe_triangle, operation by operation.
+ * Halves of the packet without candidates are left out. */
+LANES_INLINE void packet_decide(Packet *p, const Seen *s, unsigned lanes, uint32_t primitive,
+                                uint32_t place, bool any)
+{
+    Doubles td[2], ud[2], vd[2];
+    unsigned one_sign = 0, back = 0;
+    const Doubles zero = doubles_all(0);
+    for (int half = 0; half < 2; half++) {
+        td[half] = ud[half] = vd[half] = zero;
+        if ((lanes >> half * (int)(LANES / 2) & ((1u << LANES / 2) - 1)) == 0)
+            continue;
+        const Doubles ax = doubles_of(s->x[0], half), ay = doubles_of(s->y[0], half);
+        const Doubles bx = doubles_of(s->x[1], half), by = doubles_of(s->y[1], half);
+        const Doubles cx = doubles_of(s->x[2], half), cy = doubles_of(s->y[2], half);
+        const Doubles a = cx * by - cy * bx, b = ax * cy - ay * cx, c = bx * ay - by * ax;
+        const Doubles sum = a + b + c, scale = doubles_all(1) / sum;
+        const unsigned sign = doubles_less_equal(zero, doubles_min(doubles_min(a, b), c))
+                              | doubles_less_equal(doubles_max(doubles_max(a, b), c), zero);
+        one_sign |= sign << half * (int)(LANES / 2);
+        back |= doubles_less_equal(sum, zero) << half * (int)(LANES / 2);
+        const Doubles depth = a * doubles_of(s->z[0], half) + b * doubles_of(s->z[1], half)
+                              + c * doubles_of(s->z[2], half);
+        td[half] = depth * scale * p->inverse_z[half];
+        ud[half] = b * scale;
+        vd[half] = c * scale;
+    }
+    const Floats t = floats_of(td[0], td[1]);
+    /* Without area t is NaN and out of range. */
+    const unsigned ok = lanes & one_sign & floats_less(p->t_min, t)
+                        & floats_less_equal(t, p->limit);
+    if (ok == 0)
+        return;
+    if (any) {
+        const unsigned done = ok & floats_less(t, p->t);
+        p->blocked |= done;
+        p->limit = floats_pick(done, floats_all(-INFINITY), p->limit);
+        return;
+    }
+    packet_offer(p, ok, p->backward ? ~back : back, primitive, place, t, floats_of(ud[0], ud[1]),
+                 floats_of(vd[0], vd[1]));
+}
+
+LANES_INLINE void packet_triangle(Packet *p, const TriangleGroup *group, unsigned i,
+                                  uint32_t place, unsigned lanes, bool any)
+{
+    Seen s;
+    for (int c = 0; c < 3; c++) {
+        const Floats x = floats_all(group->vertex[c][p->axis[0]][i]) - p->origin[0];
+        const Floats y = floats_all(group->vertex[c][p->axis[1]][i]) - p->origin[1];
+        s.z[c] = floats_all(group->vertex[c][p->axis[2]][i]) - p->origin[2];
+        s.x[c] = x - p->shear[0] * s.z[c];
+        s.y[c] = y - p->shear[1] * s.z[c];
+    }
+    const Floats a = s.x[2] * s.y[1] - s.y[2] * s.x[1];
+    const Floats b = s.x[0] * s.y[2] - s.y[0] * s.x[2];
+    const Floats c = s.x[1] * s.y[0] - s.y[1] * s.x[0];
+    const Floats zero = floats_all(0);
+    lanes &= floats_less_equal(zero, floats_min(floats_min(a, b), c))
+             | floats_less_equal(floats_max(floats_max(a, b), c), zero);
+    if (lanes != 0)
+        packet_decide(p, &s, lanes, group->primitive[i], place + i, any);
+}
+
+/* Bits of the triangles that are there. */
+LANES_INLINE unsigned group_used(const TriangleGroup *group)
+{
+    const __m128i unused = _mm_loadu_si128((const __m128i *)(const void *)group->primitive);
+    return ~(unsigned)_mm_movemask_ps(_mm_castsi128_ps(unused)) & 0xf;
+}
+
+/* a b - c d of numbers known up to half widths: its middle, and *width. */
+LANES_INLINE __m128 edge_range(const __m128 x[2][3], const __m128 r[2][3], int i, int j,
+                               __m128 *width)
+{
+    const __m128 sign = _mm_set1_ps(-0.0f);
+    const __m128 xi = _mm_andnot_ps(sign, x[0][i]), yi = _mm_andnot_ps(sign, x[1][i]);
+    const __m128 xj = _mm_andnot_ps(sign, x[0][j]), yj = _mm_andnot_ps(sign, x[1][j]);
+    const __m128 a = _mm_add_ps(_mm_mul_ps(xi, r[1][j]),
+                                _mm_mul_ps(_mm_add_ps(yj, r[1][j]), r[0][i]));
+    const __m128 b = _mm_add_ps(_mm_mul_ps(yi, r[0][j]),
+                                _mm_mul_ps(_mm_add_ps(xj, r[0][j]), r[1][i]));
+    *width = _mm_add_ps(a, b);
+    return _mm_sub_ps(_mm_mul_ps(x[0][i], x[1][j]), _mm_mul_ps(x[1][i], x[0][j]));
+}
+
+/* Bits of the triangles that any ray of the packet may hit: a triangle is left out when one edge
+ * function is positive and another negative for all rays within the packet's ranges. The margin
+ * in p->width (eight half-ulps of all distances) covers the roundings here and in packet_triangle.
+ */
+LANES_INLINE unsigned packet_filter(const Packet *p, const TriangleGroup *group)
+{
+    const __m128 sign = _mm_set1_ps(-0.0f), deep = _mm_set1_ps(p->width[2]);
+    __m128 x[2][3], r[2][3];
+    for (int i = 0; i < 3; i++) {
+        const __m128 z = _mm_sub_ps(_mm_loadu_ps(group->vertex[i][p->axis[2]]),
+                                    _mm_set1_ps(p->middle[2]));
+        const __m128 far = _mm_add_ps(_mm_andnot_ps(sign, z), deep);
+        for (int k = 0; k < 2; k++) {
+            const __m128 shear = _mm_set1_ps(p->shear_middle[k]);
+            const __m128 at = _mm_sub_ps(_mm_loadu_ps(group->vertex[i][p->axis[k]]),
+                                         _mm_set1_ps(p->middle[k]));
+            x[k][i] = _mm_sub_ps(at, _mm_mul_ps(shear, z));
+            const float wide = p->width[k] + fabsf(p->shear_middle[k]) * p->width[2];
+            r[k][i] = _mm_add_ps(_mm_set1_ps(wide),
+                                 _mm_mul_ps(far, _mm_set1_ps(p->shear_width[k])));
+        }
+    }
+    __m128 positive = _mm_setzero_ps(), negative = _mm_setzero_ps();
+    for (int i = 0; i < 3; i++) {
+        __m128 width;
+        const __m128 edge = edge_range((const __m128(*)[3])x, (const __m128(*)[3])r, i,
+                                       (i + 1) % 3, &width);
+        positive = _mm_or_ps(positive, _mm_cmpgt_ps(edge, width));
+        negative = _mm_or_ps(negative, _mm_cmplt_ps(edge, _mm_xor_ps(sign, width)));
+    }
+    return ~(unsigned)_mm_movemask_ps(_mm_and_ps(positive, negative)) & group_used(group);
+}
+
+LANES_INLINE void packet_leaf(Packet *p, const Bvh *bvh, uint32_t leaf, unsigned lanes, bool any)
+{
+    const uint32_t begin = child_group(leaf), end = begin + child_group_count(leaf);
+    for (uint32_t g = begin; g < end; g++) {
+        const TriangleGroup *group = &bvh->group[g];
+        unsigned left = (unsigned)__builtin_popcount(lanes) >= PACKET_FILTER
+                            ? packet_filter(p, group)
+                            : group_used(group);
+        for (; left != 0; left &= left - 1)
+            packet_triangle(p, group, (unsigned)__builtin_ctz(left), g * GROUP_WIDTH,
+                            any ? lanes & ~p->blocked : lanes, any);
+    }
+}
+
+#endif
