@@ -141,7 +141,8 @@ static bool find_errors(Adaption *a, Pass *pass, double *relative, Error *err)
     const Patches *patches = pipeline->patches;
     const Monitor quiet = { .user = a, .stop = pass_stop };
     const AdaptOptions options = { .least_size = a->least_size, .row_rays = settings->rays,
-                                   .seed = settings->seed, .threads = settings->threads };
+                                   .seed = settings->seed + a->report->passes,
+                                   .threads = settings->threads };
     pass->error = array_create(patches->count, sizeof *pass->error, "errors", err);
     pass->split = array_create(patches->count, sizeof *pass->split, "errors", err);
     if (pass->error == NULL || pass->split == NULL ||

@@ -25,9 +25,13 @@ static const double LAMP_SHARE = 0.25;
 enum { DIRECT_A, DIRECT_B, INDIRECT, TOTAL, VALUES };
 
 /* Where single rays to the lamps differ by more than this share of their mean (squared), the lamps
- * are so near or so large that few rays say little of how light changes over the patch; where
- * nothing is in the way its neighbours say more. */
+ * are so near or so large that few rays say little of how light changes over the patch; its row may
+ * say more. */
 static const double NEAR_SPREAD = 0.25;
+
+/* What tells of the direct light: rays to lamps; the row, too; the row alone, nothing being in the
+ * way. */
+typedef enum { BY_RAYS, BY_BOTH, BY_ROW } Telling;
 
 typedef struct {
     const Room         *room;
@@ -39,9 +43,10 @@ typedef struct {
     AdaptPoint         *point;    /* [patches * ADAPT_POINTS] */
     uint8_t            *points;   /* [patches]  how many of them */
     double             *mean;     /* [patches * VALUES] */
-    double             *noise;    /* [patches]  variance of the indirect value, or the total one */
-    uint8_t            *near;     /* [patches]  1: unshaded and near its lamps */
+    double             *noise;    /* [patches * 2]  variance of the indirect value, the total one */
+    uint8_t            *telling;  /* [patches]  Telling */
     double             *vertex;   /* [vertices * VALUES] */
+    float              *radius;   /* [patches]  greatest distance of a corner from the centre */
     double             *error;    /* [patches] */
 } Adapting;
 
@@ -58,7 +63,7 @@ static double reflected(const Adapting *a, uint32_t patch)
 static void gather_row(Adapting *a, AdaptSampler *sampler, uint32_t patch, double *mean)
 {
     const Links *links = a->links;
-    double sum = 0, squares = 0, direct = 0;
+    double sum = 0, squares = 0, direct = 0, direct_squares = 0;
     for (uint64_t k = links->first[patch]; k < links->first[patch + 1]; k++) {
         const uint32_t j = links->source[k];
         const double f = links->form_factor[k], b = reflected(a, j);
@@ -66,14 +71,17 @@ static void gather_row(Adapting *a, AdaptSampler *sampler, uint32_t patch, doubl
         sum += f * b;
         squares += f * b * b;
         direct += f * own;
-        adapt_spread(sampler, j, f, a->near[patch] ? b + own : b);
+        direct_squares += f * own * own;
+        adapt_spread(sampler, j, f, b, own);
     }
     mean[INDIRECT] = sum;
     mean[TOTAL] = sum + direct;
-    a->noise[patch] = NET_VARIANCE * fmax(squares - sum * sum, 0) / a->row_rays;
-    if (a->near[patch])
-        a->noise[patch] += NET_VARIANCE * sampler->spread * direct * direct /
-                           (LAMP_SHARE * a->row_rays);
+    /* Lamps are found both by rays of the hemisphere and by their own: the better one counts. */
+    const double by_row = fmax(direct_squares - direct * direct, 0) / a->row_rays;
+    const double by_lamps = sampler->spread * direct * direct / (LAMP_SHARE * a->row_rays);
+    double *noise = &a->noise[2 * (size_t)patch];
+    noise[0] = NET_VARIANCE * fmax(squares - sum * sum, 0) / a->row_rays;
+    noise[1] = noise[0] + NET_VARIANCE * fmin(by_row, by_lamps);
 }
 
 static void sample_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
@@ -94,10 +102,10 @@ static void sample_chunk(void *context, uint32_t begin, uint32_t end, unsigned w
         }
         mean[DIRECT_A] /= weights > 0 ? weights : 1;
         mean[DIRECT_B] /= weights > 0 ? weights : 1;
-        a->near[i] = sampler->open && sampler->spread > NEAR_SPREAD;
+        const bool near = sampler->spread > NEAR_SPREAD;
+        a->telling[i] = near ? sampler->open ? BY_ROW : BY_BOTH : BY_RAYS;
         gather_row(a, sampler, i, mean);
-        adapt_collect(sampler, (double)a->links->escape[i], mean[a->near[i] ? TOTAL : INDIRECT], n,
-                      point);
+        adapt_collect(sampler, (double)a->links->escape[i], mean[INDIRECT], mean[TOTAL], n, point);
     }
 }
 
@@ -116,24 +124,33 @@ static void interpolate(const Adapting *a, const AdaptPoint *at, unsigned side,
             value[v] += weight[k] * a->vertex[(size_t)vertex[k] * VALUES + (size_t)v];
 }
 
-/* Square of the error. What the mesh misses of the smooth light is the same in both halves; of the
- * direct light, both are off by the same error of the mesh and by noise that knows nothing of the
- * other's: so the product of both halves is off by nothing in the mean. */
+/* Square of the error, by two ways that each miss something. One: what the mesh misses of the indirect
+ * light is the same in both halves; of the direct light, both are off by the same error of the mesh
+ * and by noise that knows nothing of the other's: so the product of both halves is off by nothing
+ * in the mean, but by much where few rays to near lamps make it. Two: all light as the row says,
+ * which knows no shadows inside the patch. */
 static double squared_error(const Adapting *a, uint32_t i)
 {
     const AdaptPoint *point = &a->point[(size_t)i * ADAPT_POINTS];
-    double products = 0, weights = 0;
+    const double *noise = &a->noise[2 * (size_t)i];
+    double products = 0, squares = 0, weights = 0;
     for (uint32_t k = 0; k < a->points[i]; k++) {
         double value[VALUES];
         const double w = (double)point[k].weight;
         interpolate(a, &point[k], a->room->patches->side[i], value);
-        const double smooth = (double)point[k].smooth - value[a->near[i] ? TOTAL : INDIRECT];
-        const double first = (double)point[k].direct[0] - value[DIRECT_A];
-        const double second = (double)point[k].direct[1] - value[DIRECT_B];
-        products += w * (a->near[i] ? smooth * smooth : (first + smooth) * (second + smooth));
+        const double indirect = (double)point[k].indirect - value[INDIRECT];
+        const double total = (double)point[k].total - value[TOTAL];
+        products += w * ((double)point[k].direct[0] - value[DIRECT_A] + indirect) *
+                    ((double)point[k].direct[1] - value[DIRECT_B] + indirect);
+        squares += w * total * total;
         weights += w;
     }
-    return weights > 0 ? fmax(products / weights - a->noise[i], 0) : 0;
+    if (!(weights > 0))
+        return 0;
+    const double by_row = fmax(squares / weights - noise[1], 0);
+    const double by_rays = fmax(products / weights - noise[0], 0);
+    return a->telling[i] == BY_RAYS ? by_rays
+                                    : a->telling[i] == BY_ROW ? by_row : fmax(by_row, by_rays);
 }
 
 static bool can_divide(const Adapting *a, uint32_t i)
@@ -154,6 +171,20 @@ static void error_chunk(void *context, uint32_t begin, uint32_t end, unsigned wo
     }
 }
 
+static void find_radii(const Patches *p, float *radius)
+{
+    for (uint32_t i = 0; i < p->count; i++) {
+        const uint32_t pieces = p->first_piece[i + 1] - p->first_piece[i];
+        const uint32_t end = p->first_corner[p->face_of[i] + (pieces > 0 ? pieces : 1)];
+        double most = 0;
+        for (uint32_t k = p->first_corner[p->face_of[i]]; k < end; k++) {
+            const Vec3 way = vec3_sub(p->position[p->corner[k]], p->centre[i]);
+            most = fmax(most, vec3_dot(way, way));
+        }
+        radius[i] = (float)sqrt(most);
+    }
+}
+
 static bool adapting_create(Adapting *a, unsigned threads, Error *err)
 {
     static const char what[] = "the errors of patches";
@@ -165,11 +196,14 @@ static bool adapting_create(Adapting *a, unsigned threads, Error *err)
     a->point = array_create(n * ADAPT_POINTS, sizeof *a->point, what, err);
     a->points = array_create(n, sizeof *a->points, what, err);
     a->mean = array_create(n * VALUES, sizeof *a->mean, what, err);
-    a->noise = array_create(n, sizeof *a->noise, what, err);
-    a->near = array_create(n, sizeof *a->near, what, err);
+    a->noise = array_create(2 * n, sizeof *a->noise, what, err);
+    a->telling = array_create(n, sizeof *a->telling, what, err);
     a->vertex = array_create((size_t)patches->vertex_count * VALUES, sizeof *a->vertex, what, err);
+    a->radius = array_create(n, sizeof *a->radius, what, err);
+    if (a->radius != NULL)
+        find_radii(patches, a->radius);
     for (unsigned k = 0; k < threads && a->sampler != NULL; k++)
-        adapt_sampler_create(&a->sampler[k], a->room, a->links,
+        adapt_sampler_create(&a->sampler[k], a->room, a->links, a->radius,
                              o->rays > 0 ? o->rays : DEFAULT_RAYS, o->seed, err);
     return !error_is_set(err);
 }
@@ -183,8 +217,9 @@ static void adapting_clear(Adapting *a, unsigned threads)
     array_free(a->points);
     array_free(a->mean);
     array_free(a->noise);
-    array_free(a->near);
+    array_free(a->telling);
     array_free(a->vertex);
+    array_free(a->radius);
 }
 
 static bool run(Adapting *a, unsigned threads, const Monitor *monitor, Error *err)

@@ -13,8 +13,14 @@ typedef struct {
     uint32_t surface;
     float    s, t, weight;
     float    direct[2];
-    float    smooth;   /* other irradiance, see adapt_spread */
+    float    indirect, total; /* by the patch's row, see adapt_spread; total: with direct light */
 } AdaptPoint;
+
+/* Share of the hemisphere that sources take up at each point, the light they reflect from there, and
+ * what they emit. */
+typedef struct {
+    float share[ADAPT_POINTS], reflected[ADAPT_POINTS], own[ADAPT_POINTS];
+} AdaptShares;
 
 /* The points of a patch once more, coordinate by coordinate, and the light that sources bring. */
 typedef struct {
@@ -23,15 +29,14 @@ typedef struct {
     float    x[ADAPT_POINTS], y[ADAPT_POINTS], z[ADAPT_POINTS];
     float    nx[ADAPT_POINTS], ny[ADAPT_POINTS], nz[ADAPT_POINTS];
     float    weight[ADAPT_POINTS]; /* sum 1; 0 past count */
-    /* of sources near for their size, and of all others: share of the hemisphere, light */
-    float    near[ADAPT_POINTS], near_light[ADAPT_POINTS];
-    float    far[ADAPT_POINTS], far_light[ADAPT_POINTS];
+    AdaptShares near, far;    /* of sources near for their size, and of all others */
 } AdaptField;
 
 /* What one thread needs. */
 typedef struct {
     const Room  *room;
     const Links *links;
+    const float *radius;      /* [patches]  greatest distance of a corner from the centre */
     uint32_t     seed, rays;  /* rays: per point and half */
     RowCast      cast;        /* tells positions inside solids, where a patch has such */
     PatchPoint   at[ADAPT_POINTS];
@@ -52,17 +57,18 @@ typedef struct {
 
 /* rays  per patch, for both halves. */
 bool adapt_sampler_create(AdaptSampler *sampler, const Room *room, const Links *links,
-                          uint32_t rays, uint32_t seed, Error *err);
+                          const float *radius, uint32_t rays, uint32_t seed, Error *err);
 void adapt_sampler_clear(AdaptSampler *sampler);
 /* Fills up to ADAPT_POINTS points, those outside solids; returns how many. */
 uint32_t adapt_sample(AdaptSampler *sampler, uint32_t patch, AdaptPoint *point);
 
-/* Spreads a source that takes up `share` of the patch's view, with light B = `light`, over the points
- * that adapt_sample chose last. */
-void adapt_spread(AdaptSampler *sampler, uint32_t source, double share, double light);
-/* Puts the light of all sources into the points: `mean` in the mean, with `escape` of the view
- * dark. */
-void adapt_collect(AdaptSampler *sampler, double escape, double mean, uint32_t points,
-                   AdaptPoint *point);
+/* Spreads a source that takes up `share` of the patch's view, with the light it reflects and emits,
+ * over the points that adapt_sample chose last. */
+void adapt_spread(AdaptSampler *sampler, uint32_t source, double share, double reflected,
+                  double own);
+/* Puts the light of all sources into the points, with `escape` of the view dark. The means shall be
+ * those given. */
+void adapt_collect(AdaptSampler *sampler, double escape, double indirect, double total,
+                   uint32_t points, AdaptPoint *point);
 
 #endif

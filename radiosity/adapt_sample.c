@@ -11,11 +11,12 @@
 
 static const char what[] = "light at points of patches";
 
-bool adapt_sampler_create(AdaptSampler *s, const Room *room, const Links *links, uint32_t rays,
-                          uint32_t seed, Error *err)
+bool adapt_sampler_create(AdaptSampler *s, const Room *room, const Links *links,
+                          const float *radius, uint32_t rays, uint32_t seed, Error *err)
 {
     const uint32_t half = (rays + 2 * ADAPT_POINTS - 1) / (2 * ADAPT_POINTS);
-    *s = (AdaptSampler){ .room = room, .links = links, .seed = seed, .rays = half };
+    *s = (AdaptSampler){ .room = room, .links = links, .radius = radius, .seed = seed,
+                         .rays = half };
     s->capacity = 2 * ADAPT_POINTS * half > ADAPT_POINTS ? 2 * ADAPT_POINTS * half : ADAPT_POINTS;
     s->ray = array_create(s->capacity, sizeof *s->ray, what, err);
     s->blocked = array_create(s->capacity, sizeof *s->blocked, what, err);
@@ -203,9 +204,8 @@ static void light_from_points(AdaptSampler *s, const Light *light, uint32_t poin
 
 /* --- light spread over the points ------------------------------------------------------------- */
 
-/* Sources nearer than this (squared distance over their area) are taken in that many pieces each
- * way. */
-static const double NEAR_DISTANCE = 4;
+/* Sources nearer than so many of their radii are taken in that many pieces each way. */
+static const double NEAR_RADII = 2.5;
 enum { NEAR_PIECES = 4 };
 
 static void set_field(AdaptSampler *s, uint32_t points)
@@ -259,13 +259,14 @@ static void add_pieces(const AdaptSampler *s, uint32_t source, float *kernel)
     }
 }
 
-void adapt_spread(AdaptSampler *s, uint32_t source, double share, double light)
+void adapt_spread(AdaptSampler *s, uint32_t source, double share, double reflected, double own)
 {
     const Patches *patches = s->room->patches;
     AdaptField *f = &s->field;
     float kernel[ADAPT_POINTS] = { 0 }, mean = 0;
     const Vec3 way = vec3_sub(patches->centre[source], f->origin);
-    const bool near = vec3_dot(way, way) < NEAR_DISTANCE * patches->area[source];
+    const double reach = NEAR_RADII * (double)s->radius[source];
+    const bool near = vec3_dot(way, way) < reach * reach;
     if (near)
         add_pieces(s, source, kernel);
     else
@@ -273,31 +274,39 @@ void adapt_spread(AdaptSampler *s, uint32_t source, double share, double light)
                  kernel);
     for (uint32_t k = 0; k < ADAPT_POINTS; k++)
         mean += f->weight[k] * kernel[k];
-    const float scale = mean > 0 ? (float)share / mean : 0, b = (float)light;
-    float *const shares = near ? f->near : f->far;
-    float *const lights = near ? f->near_light : f->far_light;
+    const float scale = mean > 0 ? (float)share / mean : 0;
+    AdaptShares *to = near ? &f->near : &f->far;
     for (uint32_t k = 0; k < ADAPT_POINTS; k++) {
         const float part = mean > 0 ? scale * kernel[k] : (float)share;
-        shares[k] += part;
-        lights[k] += part * b;
+        to->share[k] += part;
+        to->reflected[k] += part * (float)reflected;
+        to->own[k] += part * (float)own;
     }
 }
 
 /* What is near hides what is far: the far sources and the dark share what the near ones leave. */
-void adapt_collect(AdaptSampler *s, double escape, double mean, uint32_t points, AdaptPoint *point)
+void adapt_collect(AdaptSampler *s, double escape, double indirect, double total, uint32_t points,
+                   AdaptPoint *point)
 {
     const AdaptField *f = &s->field;
-    double sum = 0;
+    double indirects = 0, totals = 0;
     for (uint32_t k = 0; k < points; k++) {
-        const double near = fmax((double)f->near[k], DBL_MIN), far = (double)f->far[k] + escape;
-        const double most = fmin(near, 1);
-        const double light = (double)f->near_light[k] * (most / near) +
-                             (far > 0 ? (double)f->far_light[k] * ((1 - most) / far) : 0);
-        point[k].smooth = (float)light;
-        sum += (double)f->weight[k] * light;
+        const double near = fmax((double)f->near.share[k], DBL_MIN), most = fmin(near, 1);
+        const double far = (double)f->far.share[k] + escape;
+        const double near_part = most / near, far_part = far > 0 ? (1 - most) / far : 0;
+        const double light = (double)f->near.reflected[k] * near_part +
+                             (double)f->far.reflected[k] * far_part;
+        const double own = (double)f->near.own[k] * near_part + (double)f->far.own[k] * far_part;
+        point[k].indirect = (float)light;
+        point[k].total = (float)(light + own);
+        indirects += (double)f->weight[k] * light;
+        totals += (double)f->weight[k] * (light + own);
     }
-    for (uint32_t k = 0; k < points; k++)
-        point[k].smooth = sum > 0 ? point[k].smooth * (float)(mean / sum) : (float)mean;
+    for (uint32_t k = 0; k < points; k++) {
+        point[k].indirect = (float)(indirects > 0 ? point[k].indirect * (indirect / indirects)
+                                                  : indirect);
+        point[k].total = (float)(totals > 0 ? point[k].total * (total / totals) : total);
+    }
 }
 
 /* --- all of a patch --------------------------------------------------------------------------- */
