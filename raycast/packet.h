@@ -134,7 +134,7 @@ LANES_INLINE void packet_init(Packet *p, const Bvh *bvh, const Bundle *b, unsign
 #define LANE_OF(member, type, lane) (((const type *)(const void *)&(member))[lane])
 #define LANE_SET(member, type, lane, value) (((type *)(void *)&(member))[lane] = (value))
 
-static __attribute__((noinline)) Best packet_best(const Packet *p, unsigned lane)
+LANES_INLINE Best packet_best(const Packet *p, unsigned lane)
 {
     return (Best){
         .limit = LANE_OF(p->limit, float, lane),
@@ -146,7 +146,7 @@ static __attribute__((noinline)) Best packet_best(const Packet *p, unsigned lane
                     LANE_OF(p->facing_place, uint32_t, lane) } };
 }
 
-static __attribute__((noinline)) void packet_take(Packet *p, unsigned lane, const Best *best)
+LANES_INLINE void packet_take(Packet *p, unsigned lane, const Best *best)
 {
     LANE_SET(p->limit, float, lane, best->limit);
     LANE_SET(p->t, float, lane, best->first.t);
@@ -166,6 +166,28 @@ static __attribute__((noinline)) void packet_take(Packet *p, unsigned lane, cons
         *(best->first.key & BEST_BACK ? &p->back : &p->front) |= bit;
 }
 
+/* What probe_init would make for this lane, but for what only best_choose asks for. */
+LANES_INLINE void packet_probe(Packet *p, unsigned lane, const Ray *ray)
+{
+    Walker *w = &p->walker[lane];
+    Probe *probe = &w->probe;
+    w->ray = ray;
+    for (int k = 0; k < 3; k++) {
+        probe->inverse[k] = LANE_OF(p->inverse[k], float, lane);
+        probe->near_add[k] = LANE_OF(p->near_add[k], float, lane);
+        probe->far_add[k] = LANE_OF(p->far_add[k], float, lane);
+        probe->origin[k] = LANE_OF(p->origin[k], float, lane);
+        probe->axis[k] = p->axis[k];
+    }
+    probe->t_min = LANE_OF(p->t_min, float, lane);
+    probe->t_max = ray->t_max;
+    probe->shear[0] = LANE_OF(p->shear[0], float, lane);
+    probe->shear[1] = LANE_OF(p->shear[1], float, lane);
+    probe->inverse_z = LANE_OF(p->inverse_z, double, lane);
+    probe->reach = LANE_OF(p->reach, float, lane);
+    probe->octant = p->octant;
+}
+
 /* Walks the subtrees that wait, ray by ray in turns. */
 static __attribute__((noinline)) void packet_walk_alone(Packet *p, const Bvh *bvh, const Bundle *b,
                                                         bool any)
@@ -174,12 +196,10 @@ static __attribute__((noinline)) void packet_walk_alone(Packet *p, const Bvh *bv
     for (unsigned left = p->waiting; left != 0; left &= left - 1) {
         const unsigned i = (unsigned)__builtin_ctz(left), bit = 1u << i;
         Walker *w = &p->walker[i];
-        if ((p->probes & bit) == 0) {
-            w->ray = b->ray[i];
-            probe_init(&w->probe, w->ray, bvh->lo, bvh->hi);
-            p->probes |= bit;
-        }
-        w->best = packet_best(p, i);
+        if ((p->probes & bit) == 0)
+            packet_probe(p, i, b->ray[i]);
+        p->probes |= bit;
+        w->best = any ? best_none(LANE_OF(p->t, float, i)) : packet_best(p, i);
         /* They came near ones first: the stack has those on top. */
         for (uint32_t from = 0, to = w->top - 1; from < to; from++, to--) {
             const uint32_t child = w->child[from];

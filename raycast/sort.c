@@ -8,7 +8,7 @@
 
 /* Rays that a cell should get on the average over all kinds: those of a tile of patches leave by
  * half of them, and cells of less than a packet's rays would mix neighbours all the same. */
-#define CELL_RAYS 8u
+#define CELL_RAYS 4u
 
 static void origin_box(const Ray *ray, size_t count, float lo[3], float hi[3])
 {
