@@ -4,6 +4,7 @@ extern "C" {
 #include "mesh/halfedge.h"
 }
 
+#include <algorithm>
 #include <cassert>
 #include <exception>
 #include <new>
@@ -40,17 +41,48 @@ private:
     bool was_;
 };
 
+// Whether a gap is left to turn the fans round the vertex between two rim edges so that one edge
+// follows the other: the search of add_face, which ends in an assertion where there is none.
+bool has_gap(const OpenMesh::PolyConnectivity &mesh, HalfedgeHandle before, HalfedgeHandle after)
+{
+    HalfedgeHandle h = mesh.opposite_halfedge_handle(after);
+    for (size_t steps = mesh.n_halfedges(); steps > 0; steps--) {
+        const HalfedgeHandle next = mesh.next_halfedge_handle(h);
+        if (!next.is_valid())
+            return false;
+        h = mesh.opposite_halfedge_handle(next);
+        if (mesh.is_boundary(h))
+            return h != before && mesh.next_halfedge_handle(h).is_valid();
+    }
+    return false;
+}
+
 bool fits(const OpenMesh::PolyConnectivity &mesh, const std::vector<VertexHandle> &v)
 {
     const size_t n = v.size();
+    HalfedgeHandle before = mesh.find_halfedge(v[n - 1], v[0]);
     for (size_t k = 0; k < n; k++) {
         if (!mesh.is_boundary(v[k]))
             return false; // the fan round this vertex is closed
         const HalfedgeHandle h = mesh.find_halfedge(v[k], v[k + 1 == n ? 0 : k + 1]);
         if (h.is_valid() && !mesh.is_boundary(h))
             return false; // this side of the edge has its face
+        if (h.is_valid() && before.is_valid() && mesh.next_halfedge_handle(before) != h &&
+            !has_gap(mesh, before, h))
+            return false; // other faces hold the two edges apart
+        before = h;
     }
     return true;
+}
+
+// A face that comes to one vertex twice is no disc.
+bool repeats(const std::vector<VertexHandle> &v, std::vector<int> &sorted)
+{
+    sorted.clear();
+    for (const VertexHandle &vertex : v)
+        sorted.push_back(vertex.idx());
+    std::sort(sorted.begin(), sorted.end());
+    return std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
 }
 
 // v: room for the face's vertices.
@@ -60,7 +92,8 @@ void add_face(HalfEdges &out, const uint32_t *corner, std::vector<VertexHandle> 
     for (size_t k = 0; k < v.size(); k++)
         v[k] = VertexHandle(static_cast<int>(corner[k]));
     FaceHandle face;
-    if (fits(out.mesh, v))
+    std::vector<int> sorted;
+    if (!repeats(v, sorted) && fits(out.mesh, v))
         face = out.mesh.add_face(v.data(), v.size());
     *refused = face.is_valid() ? 0 : 1;
     if (!face.is_valid()) {
