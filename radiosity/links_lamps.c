@@ -10,39 +10,70 @@
 #include "radiosity/internal.h"
 #include "radiosity/visible.h"
 
-bool lamp_table_create(const Room *room, LampTable *lamps, Error *err)
+/* Share of the samples that lamps get evenly, not by their power: a weak one may be the only light
+ * of its room, and what no sample of a row finds is lost to that row. */
+static const double EVEN_SHARE = 0.25;
+
+static double patch_power(const Room *room, uint32_t i)
+{
+    return room->patches->area[i] * rgb_luminance(room_emission(room, i));
+}
+
+/* Power of each lamp (a connected part of the scene's faces), and how many of them there are. */
+static uint32_t sum_lamps(const Room *room, double *part)
 {
     const Patches *patches = room->patches;
-    *lamps = (LampTable){ 0 };
-    lamps->probability = array_create(patches->count, sizeof *lamps->probability, "lamps", err);
-    if (lamps->probability == NULL)
-        return false;
-    double power = 0;
+    uint32_t lamps = 0;
     for (uint32_t i = 0; i < patches->count; i++) {
-        const double p = patches->area[i] * rgb_luminance(room_emission(room, i));
+        double *power = &part[room->surfaces->part[patches->surface[i]]];
+        const double p = patch_power(room, i);
         assert(p >= 0);
-        lamps->count += p > 0;
-        power += p;
+        lamps += p > 0 && !(*power > 0);
+        *power += p;
     }
-    lamps->patch = array_create(lamps->count, sizeof *lamps->patch, "lamps", err);
-    lamps->cumulative = array_create(lamps->count, sizeof *lamps->cumulative, "lamps", err);
-    if (error_is_set(err)) {
-        lamp_table_clear(lamps);
-        return false;
-    }
-    double sum = 0;
-    for (uint32_t i = 0, k = 0; i < patches->count; i++) {
-        const double p = patches->area[i] * rgb_luminance(room_emission(room, i));
+    return lamps;
+}
+
+static void fill_table(const Room *room, LampTable *table, const double *part, uint32_t lamps)
+{
+    double power = 0, sum = 0;
+    for (uint32_t k = 0; k < room->surfaces->part_count; k++)
+        power += part[k];
+    for (uint32_t i = 0, k = 0; i < room->patches->count; i++) {
+        const double p = patch_power(room, i);
         if (!(p > 0))
             continue;
-        sum += p;
-        lamps->patch[k] = i;
-        lamps->cumulative[k++] = sum / power;
-        lamps->probability[i] = (float)(p / power);
+        const double lamp = part[room->surfaces->part[room->patches->surface[i]]];
+        const double chance = (1 - EVEN_SHARE) * p / power + EVEN_SHARE * p / (lamp * lamps);
+        sum += chance;
+        table->patch[k] = i;
+        table->cumulative[k++] = sum;
+        table->probability[i] = (float)chance;
     }
-    if (lamps->count > 0)
-        lamps->cumulative[lamps->count - 1] = 1;
-    return true;
+    if (table->count > 0)
+        table->cumulative[table->count - 1] = 1;
+}
+
+bool lamp_table_create(const Room *room, LampTable *lamps, Error *err)
+{
+    const uint32_t count = room->patches->count;
+    *lamps = (LampTable){ 0 };
+    double *part = array_create(room->surfaces->part_count, sizeof *part, "lamps", err);
+    lamps->probability = array_create(count, sizeof *lamps->probability, "lamps", err);
+    uint32_t parts = 0;
+    if (!error_is_set(err)) {
+        parts = sum_lamps(room, part);
+        for (uint32_t i = 0; i < count; i++)
+            lamps->count += patch_power(room, i) > 0;
+        lamps->patch = array_create(lamps->count, sizeof *lamps->patch, "lamps", err);
+        lamps->cumulative = array_create(lamps->count, sizeof *lamps->cumulative, "lamps", err);
+    }
+    if (error_is_set(err))
+        lamp_table_clear(lamps);
+    else
+        fill_table(room, lamps, part, parts);
+    array_free(part);
+    return !error_is_set(err);
 }
 
 void lamp_table_clear(LampTable *lamps)
