@@ -124,6 +124,7 @@ static bool build_surfaces(Pipeline *pipeline, Error *err)
     defects_clear(&pipeline->defects);
     /* What is wrong with a file is looked for in its faces as they are. */
     const bool cut = !check && imprint_create(soup, &io, &imprint, &session->monitor, &found);
+    imprint.soup.origin = imprint.face;
     if (cut || check || hurry_instead(pipeline, &found))
         pipeline->surfaces = surfaces_repair(cut ? &imprint.soup : soup,
                                              &session->settings.repair,

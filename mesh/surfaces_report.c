@@ -10,7 +10,11 @@ bool repair_report(Repair *repair, const Defect *defect)
 {
     assert(repair != NULL && defect != NULL && defect->kind < DEFECT_KINDS);
     Note *note = &repair->note[defect->kind][defect->repaired];
-    if (note->count++ == 0)
+    const Polygons *soup = repair->soup;
+    /* A face that was cut counts once, by its first piece. */
+    const bool piece = soup->origin != NULL && defect->face < soup->polygon_count &&
+                       soup->origin[defect->face] != defect->face;
+    if (!piece && note->count++ == 0)
         note->first = defect->face;
     return defects_add(repair->defects, defect, repair->err);
 }
