@@ -50,6 +50,7 @@ LINK = $(CC) $(OPT) -pthread
 SOURCES := $(sort $(foreach f,$(FOLDERS),$(wildcard $f/*.c $f/*.cpp)))
 OBJECTS := $(patsubst %,$(BUILD)/obj/%.o,$(SOURCES))
 APP_OBJECTS := $(patsubst %,$(BUILD)/obj/%.o,$(sort $(wildcard app/*.c)))
+BENCH_OBJECTS := $(patsubst %,$(BUILD)/obj/%.o,$(sort $(wildcard bench/*.c)))
 TESTS := $(sort $(patsubst tests/%.c,%,$(wildcard tests/test_*.c)))
 FUZZ  := $(sort $(patsubst tests/fuzz/fuzz_%.c,%,$(wildcard tests/fuzz/fuzz_*.c)))
 TEST_OBJECTS := $(TESTS:%=$(BUILD)/obj/tests/%.c.o) $(FUZZ:%=$(BUILD)/obj/tests/fuzz/fuzz_%.c.o) \
@@ -133,7 +134,6 @@ demo: deps
 # --- speed: against Embree where its headers are, which only this program is linked with ----------
 
 EMBREE := $(wildcard /usr/include/embree3/rtcore.h)
-BENCH_OBJECTS := $(patsubst %,$(BUILD)/obj/%.o,$(sort $(wildcard bench/*.c)))
 BENCH_SCENES ?= cornell cornell100k scenes/third-party/modern-hall/staircase2.obj room
 
 $(BENCH_OBJECTS): BENCH_OPTIONS = $(if $(EMBREE),-DBENCH_EMBREE)
