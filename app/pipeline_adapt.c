@@ -15,10 +15,10 @@ static const double START_SHARE = 1.0 / 4;
 
 /* A pass divides patches whose error is above this many times the mean; the last one as many as are
  * wanted. Where a few patches have most of the error it takes many passes. */
-static const double WORTH_DIVIDING = 2, WORTH_AT_LAST = 1e-3;
+static const double WORTH_DIVIDING = 4, WORTH_AT_LAST = 1e-3;
 
 /* Share of the patches still wanted that a pass may add, but for the last. */
-static const double PASS_SHARE = 0.6;
+static const double PASS_SHARE = 0.5;
 
 /* In between, light need not be known better than this, in power: far below what patches that large
  * leave out. */
@@ -29,7 +29,7 @@ enum { SPLIT_TRIES = 4 };
 static const double COUNT_TOLERANCE = 0.05;
 
 /* Shortest edge, of the greatest one, when none is given. */
-static const double LEAST_SHARE = 1.0 / 16;
+static const double LEAST_SHARE = 1.0 / 64;
 
 typedef struct {
     Pipeline    *pipeline;
@@ -191,8 +191,8 @@ static bool divide_parts(const Pipeline *pipeline, const uint8_t *split, Patches
     return !error_is_set(err);
 }
 
-/* Divides the worst patches so that at most about `goal` result. *finer is NULL when nothing is
- * worth it. */
+/* Divides the worst patches so that about `goal` result, and at most about as many as are wanted in
+ * all. *finer is NULL when nothing is worth it. */
 static bool divide(Adaption *a, Pass *pass, double goal, double worth, Patches **finer,
                    uint32_t **parent, Error *err)
 {
@@ -212,7 +212,7 @@ static bool divide(Adaption *a, Pass *pass, double goal, double worth, Patches *
         if (*finer == NULL || !divide_parts(pipeline, pass->split, finer, parent, err))
             return false;
         const double got = (*finer)->count - count;
-        if (!(got > more + COUNT_TOLERANCE * goal))
+        if (count + got <= (1 + COUNT_TOLERANCE) * a->wanted)
             return true;
         aim *= more / got;
     }

@@ -47,6 +47,7 @@ typedef struct {
     uint8_t            *telling;  /* [patches]  Telling */
     double             *vertex;   /* [vertices * VALUES] */
     float              *radius;   /* [patches]  greatest distance of a corner from the centre */
+    AdaptPiece         *piece;    /* [patches * ADAPT_PIECES] */
     double             *error;    /* [patches] */
 } Adapting;
 
@@ -171,17 +172,22 @@ static void error_chunk(void *context, uint32_t begin, uint32_t end, unsigned wo
     }
 }
 
-static void find_radii(const Patches *p, float *radius)
+/* What a patch is as a source: its reach and its pieces. */
+static void source_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
 {
-    for (uint32_t i = 0; i < p->count; i++) {
+    Adapting *a = context;
+    const Patches *p = a->room->patches;
+    (void)worker;
+    for (uint32_t i = begin; i < end; i++) {
         const uint32_t pieces = p->first_piece[i + 1] - p->first_piece[i];
-        const uint32_t end = p->first_corner[p->face_of[i] + (pieces > 0 ? pieces : 1)];
+        const uint32_t last = p->first_corner[p->face_of[i] + (pieces > 0 ? pieces : 1)];
         double most = 0;
-        for (uint32_t k = p->first_corner[p->face_of[i]]; k < end; k++) {
+        for (uint32_t k = p->first_corner[p->face_of[i]]; k < last; k++) {
             const Vec3 way = vec3_sub(p->position[p->corner[k]], p->centre[i]);
             most = fmax(most, vec3_dot(way, way));
         }
-        radius[i] = (float)sqrt(most);
+        a->radius[i] = (float)sqrt(most);
+        adapt_pieces(a->room, i, &a->piece[(size_t)i * ADAPT_PIECES]);
     }
 }
 
@@ -200,10 +206,9 @@ static bool adapting_create(Adapting *a, unsigned threads, Error *err)
     a->telling = array_create(n, sizeof *a->telling, what, err);
     a->vertex = array_create((size_t)patches->vertex_count * VALUES, sizeof *a->vertex, what, err);
     a->radius = array_create(n, sizeof *a->radius, what, err);
-    if (a->radius != NULL)
-        find_radii(patches, a->radius);
+    a->piece = array_create(n * ADAPT_PIECES, sizeof *a->piece, what, err);
     for (unsigned k = 0; k < threads && a->sampler != NULL; k++)
-        adapt_sampler_create(&a->sampler[k], a->room, a->links, a->radius,
+        adapt_sampler_create(&a->sampler[k], a->room, a->links, a->radius, a->piece,
                              o->rays > 0 ? o->rays : DEFAULT_RAYS, o->seed, err);
     return !error_is_set(err);
 }
@@ -220,12 +225,14 @@ static void adapting_clear(Adapting *a, unsigned threads)
     array_free(a->telling);
     array_free(a->vertex);
     array_free(a->radius);
+    array_free(a->piece);
 }
 
 static bool run(Adapting *a, unsigned threads, const Monitor *monitor, Error *err)
 {
     const Patches *patches = a->room->patches;
-    if (!parallel_for(patches->count, MAKER_CHUNK, threads, sample_chunk, a, monitor, NULL))
+    if (!parallel_for(patches->count, MAKER_CHUNK, threads, source_chunk, a, monitor, NULL) ||
+        !parallel_for(patches->count, MAKER_CHUNK, threads, sample_chunk, a, monitor, NULL))
         return error_set(err, ERROR_STOPPED, "stopped while looking for errors");
     for (unsigned k = 0; k < threads; k++)
         if (error_is_set(&a->sampler[k].error)) {

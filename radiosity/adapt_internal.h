@@ -6,7 +6,8 @@
 #include "radiosity/adapt.h"
 #include "radiosity/internal.h"
 
-enum { ADAPT_POINTS = 16 }; /* four in each quarter */
+enum { ADAPT_POINTS = 16,    /* four in each quarter */
+       ADAPT_PIECES = 16 };  /* of a source that is near for its size */
 
 /* A point of a patch with its direct irradiance, luminance, estimated twice independently. */
 typedef struct {
@@ -15,6 +16,14 @@ typedef struct {
     float    direct[2];
     float    indirect, total; /* by the patch's row, see adapt_spread; total: with direct light */
 } AdaptPoint;
+
+/* A piece of a patch as a source. */
+typedef struct {
+    float x, y, z, nx, ny, nz, area;
+} AdaptPiece;
+
+/* A patch's pieces. */
+void adapt_pieces(const Room *room, uint32_t patch, AdaptPiece *piece);
 
 /* Share of the hemisphere that sources take up at each point, the light they reflect from there, and
  * what they emit. */
@@ -37,6 +46,7 @@ typedef struct {
     const Room  *room;
     const Links *links;
     const float *radius;      /* [patches]  greatest distance of a corner from the centre */
+    const AdaptPiece *piece;  /* [patches * ADAPT_PIECES] */
     uint32_t     seed, rays;  /* rays: per point and half */
     RowCast      cast;        /* tells positions inside solids, where a patch has such */
     PatchPoint   at[ADAPT_POINTS];
@@ -57,7 +67,8 @@ typedef struct {
 
 /* rays  per patch, for both halves. */
 bool adapt_sampler_create(AdaptSampler *sampler, const Room *room, const Links *links,
-                          const float *radius, uint32_t rays, uint32_t seed, Error *err);
+                          const float *radius, const AdaptPiece *piece, uint32_t rays,
+                          uint32_t seed, Error *err);
 void adapt_sampler_clear(AdaptSampler *sampler);
 /* Fills up to ADAPT_POINTS points, those outside solids; returns how many. */
 uint32_t adapt_sample(AdaptSampler *sampler, uint32_t patch, AdaptPoint *point);

@@ -12,11 +12,12 @@
 static const char what[] = "light at points of patches";
 
 bool adapt_sampler_create(AdaptSampler *s, const Room *room, const Links *links,
-                          const float *radius, uint32_t rays, uint32_t seed, Error *err)
+                          const float *radius, const AdaptPiece *piece, uint32_t rays,
+                          uint32_t seed, Error *err)
 {
     const uint32_t half = (rays + 2 * ADAPT_POINTS - 1) / (2 * ADAPT_POINTS);
-    *s = (AdaptSampler){ .room = room, .links = links, .radius = radius, .seed = seed,
-                         .rays = half };
+    *s = (AdaptSampler){ .room = room, .links = links, .radius = radius, .piece = piece,
+                         .seed = seed, .rays = half };
     s->capacity = 2 * ADAPT_POINTS * half > ADAPT_POINTS ? 2 * ADAPT_POINTS * half : ADAPT_POINTS;
     s->ray = array_create(s->capacity, sizeof *s->ray, what, err);
     s->blocked = array_create(s->capacity, sizeof *s->blocked, what, err);
@@ -204,9 +205,9 @@ static void light_from_points(AdaptSampler *s, const Light *light, uint32_t poin
 
 /* --- light spread over the points ------------------------------------------------------------- */
 
-/* Sources nearer than so many of their radii are taken in that many pieces each way. */
+/* Sources nearer than so many of their radii are taken in pieces, that many each way. */
 static const double NEAR_RADII = 2.5;
-enum { NEAR_PIECES = 4 };
+enum { PIECES_ACROSS = 4 };
 
 static void set_field(AdaptSampler *s, uint32_t points)
 {
@@ -246,16 +247,29 @@ static void add_disc(const AdaptField *f, Vec3 centre, Vec3 normal, double disc,
     }
 }
 
+void adapt_pieces(const Room *room, uint32_t patch, AdaptPiece *piece)
+{
+    static_assert(ADAPT_PIECES == PIECES_ACROSS * PIECES_ACROSS, "a square of pieces");
+    for (int k = 0; k < ADAPT_PIECES; k++) {
+        PatchPoint at;
+        patches_point(room->patches, room->surfaces, patch,
+                      (k % PIECES_ACROSS + 0.5) / PIECES_ACROSS,
+                      (k / PIECES_ACROSS + 0.5) / PIECES_ACROSS, &at);
+        const Vec3 p = at.point.point, n = at.point.normal;
+        piece[k] = (AdaptPiece){ (float)p.x, (float)p.y, (float)p.z,
+                                 (float)n.x, (float)n.y, (float)n.z,
+                                 (float)(room->patches->area[patch] * at.weight / ADAPT_PIECES) };
+    }
+}
+
 /* A source that is near for its size, in pieces. */
 static void add_pieces(const AdaptSampler *s, uint32_t source, float *kernel)
 {
-    const Patches *patches = s->room->patches;
-    for (int k = 0; k < NEAR_PIECES * NEAR_PIECES; k++) {
-        PatchPoint at;
-        patches_point(patches, s->room->surfaces, source, (k % NEAR_PIECES + 0.5) / NEAR_PIECES,
-                      (k / NEAR_PIECES + 0.5) / NEAR_PIECES, &at);
-        add_disc(&s->field, at.point.point, at.point.normal,
-                 patches->area[source] * at.weight / (NEAR_PIECES * NEAR_PIECES), kernel);
+    const AdaptPiece *piece = &s->piece[(size_t)source * ADAPT_PIECES];
+    for (int k = 0; k < ADAPT_PIECES; k++) {
+        const AdaptPiece *p = &piece[k];
+        add_disc(&s->field, vec3((double)p->x, (double)p->y, (double)p->z),
+                 vec3((double)p->nx, (double)p->ny, (double)p->nz), (double)p->area, kernel);
     }
 }
 

@@ -40,20 +40,22 @@ static double *errors_of(const TestRoom *r, const AdaptOptions *options)
     return error;
 }
 
-/* A black floor of 4 x 4 patches under the sun, a plate over it up to x = 1.5. */
+/* A black floor of 6 x 4 patches under the sun, a plate over it up to x = 2.5. */
 static void half_shaded_floor(TestRoom *r)
 {
     const uint32_t black = room_material(r, 0, 0);
-    room_quad(r, vec3(0, 0, 0), vec3(4, 0, 0), vec3(0, 4, 0), black, "floor");
-    room_quad(r, vec3(-1, -1, 1), vec3(2.5, 0, 0), vec3(0, 6, 0), black, "plate");
+    room_quad(r, vec3(0, 0, 0), vec3(6, 0, 0), vec3(0, 4, 0), black, "floor");
+    room_quad(r, vec3(-1, -1, 1), vec3(3.5, 0, 0), vec3(0, 6, 0), black, "plate");
     room_finish(r, 1, &(SidesOptions){ 0 }, &SUN, 1, NULL);
 }
 
 /* The light 1 | 1/2 | 0 of three columns of patches becomes 3/4 and 1/4 at the vertices between
- * them. Across the middle one that is 3/4 - x/2 for a step at x = 1/2: the square of the error is
- * (1/4 + x/2)^2 up to there, 7/48 in the mean; beside it (1 - x)^2 / 16, in the mean 1/48. Sixteen
- * points, one in each row and column, miss a mean by less than what the integrand changes across
- * a column of strata, in the mean of the columns. */
+ * them, and as the lit column has lost 1/8 of its mean by that and gets it back half here, half at
+ * its other side (where vertices may not pass the 1 around them), 13/16 and 3/16. Across the middle
+ * column that is 13/16 - 5/8 x for a step at x = 1/2: the square of the error is (3/16 + 5/8 x)^2
+ * up to there, (1/8 - 27/4096) 16/15 in the mean; beside it (1 - x)^2 9/256, in the mean 3/256.
+ * Sixteen points, one in each row and column, miss a mean by less than what the integrand changes
+ * across a column of strata, in the mean of the columns. */
 static void test_shadow_edge(void **state)
 {
     (void)state;
@@ -65,13 +67,13 @@ static void test_shadow_edge(void **state)
         const double x = r.patches->centre[i].x, square = error[i] * error[i];
         if (r.patches->group[i] != room_group(&r, "floor") || r.patches->side[i] != 0)
             continue;
-        if (x > 1 && x < 2) {
-            assert_true(fabs(square - 7.0 / 48) < 3.0 / 32);
+        if (x > 2 && x < 3) {
+            assert_true(fabs(square - (1.0 / 8 - 27.0 / 4096) * 16 / 15) < (64 - 9) / 512.0);
             middle++;
-        } else if (x > 2 && x < 3) {
-            assert_true(fabs(square - 1.0 / 48) < 1.0 / 64);
+        } else if (x > 3 && x < 4) {
+            assert_true(fabs(square - 3.0 / 256) < 9.0 / 1024);
             beside++;
-        } else if (x > 3) {
+        } else if (x > 5) {
             assert_true(square < 1e-10);
             far++;
         }
@@ -137,11 +139,11 @@ static void test_choose(void **state)
     for (uint32_t i = 0; i < count; i++) {
         const double x = r.patches->centre[i].x;
         const bool floor = r.patches->group[i] == room_group(&r, "floor");
-        assert_int_equal(split[i], floor && r.patches->side[i] == 0 && x > 1 && x < 2);
+        assert_int_equal(split[i], floor && r.patches->side[i] == 0 && x > 2 && x < 3);
     }
-    /* However many are wanted, none without error. */
-    assert_true(adapt_choose(&r.room, error, 1000 * count, 0, split, &chosen, &err));
-    assert_in_range(chosen, 8, 12);
+    /* However many are wanted, none of little worth: twice the mean is more than all but those. */
+    assert_true(adapt_choose(&r.room, error, 1000 * count, 2, split, &chosen, &err));
+    assert_int_equal(chosen, 4);
     /* No room for the parts of even one. */
     assert_true(adapt_choose(&r.room, error, count + 2, 0, split, &chosen, &err));
     assert_int_equal(chosen, 0);
