@@ -16,6 +16,9 @@
 /* What is asked of closed factors: row sums, reciprocity and balance to 1e-6. */
 static const double CLOSURE_TOLERANCE = 1e-6;
 
+/* Pieces that faces are cut into where others touch them, however few patches are asked for. */
+enum { PIECES_LEAST = 10000 };
+
 /* In a hurry, factors are cast again with this many rays in all: about a second's work. */
 enum { HURRY_RAYS = 1 << 20, HURRY_RAYS_LEAST = 8, HURRY_SIDE_RAYS = 8 };
 
@@ -119,7 +122,9 @@ static bool build_surfaces(Pipeline *pipeline, Error *err)
     const Session *session = pipeline->session;
     const Polygons *soup = &pipeline->scene->polygons;
     const bool check = session->options.command == COMMAND_CHECK;
-    const ImprintOptions io = { .most = session->settings.patches };
+    /* Few patches are no reason to leave faces uncut. */
+    const uint32_t patches = session->settings.patches;
+    const ImprintOptions io = { .most = patches > PIECES_LEAST ? patches : PIECES_LEAST };
     Imprint imprint = { 0 };
     defects_clear(&pipeline->defects);
     /* What is wrong with a file is looked for in its faces as they are. */

@@ -13,11 +13,14 @@
 
 /* One face may take this share of the pieces: things of many small faces that stand on a large one
  * must leave some for the walls. */
-enum { PIECES_MOST = 20000, FACE_PIECES_LEAST = 64, FACE_SHARE = 16, FACES_A_STEP = 256 };
+enum { PIECES_MOST = 20000, FACE_PIECES_LEAST = 64, FACE_SHARE = 4, FACES_A_STEP = 256 };
 
 /* Faces smaller than this share of the whole area are left to the sampling of patches: they are
  * smaller than any patch, and there are millions of them. */
 static const double LEAST_SHARE = 1e-6;
+
+/* In Imprinter.first: nothing is left of the face. */
+static const uint32_t GONE = UINT32_MAX;
 
 typedef struct {
     uint32_t face;
@@ -38,6 +41,7 @@ typedef struct {
     FaceRank       *rank;         /* [ranked]  largest first */
     uint32_t        ranked, left; /* left: pieces that may still be added */
     uint32_t        face_most;    /* to one face */
+    uint32_t        pieces;       /* added so far */
     Imprint        *out;
     Error          *err;
 } Imprinter;
@@ -99,6 +103,7 @@ static bool cut_parts(Imprinter *im, uint32_t face, bool *changed, bool *covered
         const ImprintPieces *now = &im->knife.now;
         *changed = *changed || now->count != 1 || im->knife.covered;
         *covered = *covered || im->knife.covered;
+        im->out->covered_area += im->knife.covered_area;
         for (uint32_t i = 0; i < now->count; i++)
             if (!imprint_pieces_add(&im->raw, now->corner + now->first[i], NULL,
                                     now->first[i + 1] - now->first[i], im->err))
@@ -121,8 +126,13 @@ static bool cut_face(Imprinter *im, uint32_t face)
     bool changed, covered;
     if (!cut_parts(im, face, &changed, &covered))
         return false;
-    /* One that others cover altogether stays: which of them is met, rays decide. */
-    const bool cut = changed && im->raw.count > 0;
+    const uint32_t parts = im->parts.first[face + 1] - im->parts.first[face];
+    if (changed && parts > 0 && im->raw.count == 0) {
+        im->first[face] = GONE; /* others cover it altogether */
+        im->out->covered++;
+        return true;
+    }
+    const bool cut = changed;
     if (!cut && im->lines == 0)
         return true;
     if (!cut && !take_whole(im, face))
@@ -134,6 +144,7 @@ static bool cut_face(Imprinter *im, uint32_t face)
         return false;
     const uint32_t count = im->done.count - im->first[face];
     im->count[face] = count;
+    im->pieces += count - 1;
     im->left -= count - 1 < im->left ? count - 1 : im->left;
     im->out->cut += cut && count > 1;
     im->out->covered += cut && covered;
@@ -210,13 +221,14 @@ static bool assemble(Imprinter *im)
     for (uint32_t i = 0; i < from->polygon_count; i++)
         if (im->count[i] > 0)
             add_piece(im, i, im->first[i]);
-        else
+        else if (im->first[i] != GONE)
             add_polygon(out, from, i, from->corner + from->first[i], NULL,
                         from->first[i + 1] - from->first[i]);
+    out->soup.origin_first = out->soup.polygon_count;
     for (uint32_t i = 0; i < from->polygon_count; i++)
         for (uint32_t k = 1; k < im->count[i]; k++)
             add_piece(im, i, im->first[i] + k);
-    out->pieces = (uint32_t)(out->soup.polygon_count - out->original);
+    out->pieces = im->pieces;
     return true;
 }
 

@@ -29,14 +29,15 @@ typedef struct {
 } ImprintOptions;
 
 typedef struct {
-    Polygons soup;        /* the faces, cut; face i's first piece is polygon i, the others come
-                             behind all faces. Materials, groups and shapes belong to the original,
+    Polygons soup;        /* the faces, cut; the first piece of each that is not covered
+                             altogether, in their order, then the other pieces. Materials, groups and shapes belong to the original,
                              which must outlive this; soup.contact is filled in */
     uint32_t *face;       /* [soup.polygon_count]  polygon of the original */
     size_t   original;    /* polygons of the original */
     uint32_t cut;         /* faces that were cut */
     uint32_t pieces;      /* that were added */
-    uint32_t covered;     /* faces that gave way, in part, to others in their plane */
+    uint32_t covered;     /* faces that gave way, in part or altogether, to others in their plane */
+    double   covered_area;/* of theirs that was left out */
     uint32_t left;        /* faces not cut because there would be too many pieces */
 } Imprint;
 

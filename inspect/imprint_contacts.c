@@ -10,7 +10,7 @@
 
 /* A part with more lines than this keeps the longest: what a statue leaves on the floor it has sunk
  * into is left to the sampling of patches. */
-enum { LINES_MOST = 512 };
+enum { LINES_MOST = 2048 };
 
 typedef struct {
     const ImprintParts *parts;
@@ -42,22 +42,34 @@ static bool add_line(ImprintContacts *c, const Pairing *pair, Vec3 a, Vec3 b, bo
     return true;
 }
 
-static bool emits(const ImprintParts *parts, uint32_t face)
+/* Whether an unlit part in the plane of a lit one gives way to it. A sheet of light in a ceiling is
+ * to shine whichever way it is wound; but the back of a box that hangs on a wall must neither open
+ * the wall nor shine into the room behind it. */
+static bool yields_to_lamp(LampKind lamp, bool same_way)
 {
-    const Polygons *soup = parts->soup;
-    return rgb_max(soup->materials[soup->material[face]].emission) > 0;
+    return lamp == LAMP_SHEET || (lamp == LAMP_CASED && same_way);
 }
 
 /* Whether the part gives way to another in its plane: a lamp goes first; then, of two that look the
- * same way, the smaller face: it is the one that someone put there. */
-static bool gives_way(const Pairing *pair)
+ * same way, the smaller face: it is the one that someone put there; of equals the earlier stays.
+ * Never both, and never in a ring, so that something stays everywhere. */
+static bool gives_way(const Pairing *pair, const ImprintContacts *c)
 {
-    const uint32_t face = pair->part->face, other = pair->other->face;
-    const bool lit = emits(pair->parts, face), other_lit = emits(pair->parts, other);
-    if (lit != other_lit)
-        return other_lit;
-    return vec3_dot(pair->part->normal, pair->other->normal) > 0
-        && pair->other->area < pair->part->area;
+    const ImprintPart *part = pair->part, *other = pair->other;
+    const LampKind lamp = (LampKind)c->lamp[part - pair->parts->part];
+    const LampKind other_lamp = (LampKind)c->lamp[other - pair->parts->part];
+    const bool same_way = vec3_dot(part->normal, other->normal) > 0;
+    if (lamp == LAMP_NONE && other_lamp != LAMP_NONE)
+        return yields_to_lamp(other_lamp, same_way);
+    if (lamp != LAMP_NONE && other_lamp == LAMP_NONE)
+        return !yields_to_lamp(lamp, same_way);
+    if (!same_way)
+        return false;
+    if (lamp != other_lamp)
+        return other_lamp < lamp;
+    if (other->area != part->area)
+        return other->area < part->area;
+    return other < part;
 }
 
 /* Two parts in one plane: the other's outline. */
@@ -67,7 +79,10 @@ static bool add_outline(ImprintContacts *c, const Pairing *pair, Error *err)
         if (!add_line(c, pair, imprint_corner(pair->parts, pair->other, k),
                       imprint_corner(pair->parts, pair->other, k + 1), false, err))
             return false;
-    if (!gives_way(pair))
+    if (!imprint_lamp_find(pair->parts, (uint32_t)(pair->part - pair->parts->part), c, err)
+        || !imprint_lamp_find(pair->parts, (uint32_t)(pair->other - pair->parts->part), c, err))
+        return false;
+    if (!gives_way(pair, c))
         return true;
     if (!array_reserve((void **)&c->cover, &c->cover_capacity, (size_t)c->cover_count + 1,
                        sizeof *c->cover, "face contacts", err))
@@ -157,5 +172,8 @@ void imprint_contacts_clear(ImprintContacts *c)
     array_free(c->line);
     array_free(c->cover);
     array_free(c->met);
+    array_free(c->lamp);
+    array_free(c->row);
+    array_free(c->beside);
     *c = (ImprintContacts){ 0 };
 }

@@ -5,6 +5,7 @@
 
 #include "base/array.h"
 #include "inspect/imprint_internal.h"
+#include "mesh/triangulate.h"
 
 /* Lines go on across the whole part when no more than this many pieces come of it: some, and some
  * for each line. Four table legs in line make 8 lines and 25 pieces. */
@@ -207,7 +208,8 @@ static bool begin(ImprintKnife *knife, const ImprintContacts *c)
     return imprint_pieces_add(&knife->now, corner, NULL, part->count, knife->err);
 }
 
-/* Whether some face in the same plane lies on a piece. */
+/* Whether some face in the same plane lies on the whole of a piece: where cuts were left out for
+ * their number, a piece may be covered in part only, and stays. */
 static bool is_covered(const ImprintKnife *knife, const ImprintContacts *c, uint32_t piece)
 {
     const uint32_t *corner = knife->now.corner + knife->now.first[piece];
@@ -217,11 +219,24 @@ static bool is_covered(const ImprintKnife *knife, const ImprintContacts *c, uint
         middle = vec3_mad(middle, 1.0 / count, knife->points->position[corner[k]]);
     for (uint32_t k = 0; k < c->cover_count; k++) {
         const ImprintPart *other = &knife->parts->part[c->cover[k]];
-        if (imprint_inside(knife->points->position, knife->parts->corner + other->first,
-                           other->count, other->normal, 0, middle))
+        const uint32_t *outline = knife->parts->corner + other->first;
+        const double tolerance = fmax(knife->part->tolerance, other->tolerance);
+        const Vec3 *position = knife->points->position;
+        bool in = imprint_inside(position, outline, other->count, other->normal, 0, middle);
+        for (uint32_t i = 0; i < count && in; i++)
+            in = imprint_inside(position, outline, other->count, other->normal, tolerance,
+                                position[corner[i]]);
+        if (in)
             return true;
     }
     return false;
+}
+
+static double piece_area(const ImprintKnife *knife, uint32_t piece)
+{
+    const uint32_t *corner = knife->now.corner + knife->now.first[piece];
+    const uint32_t count = knife->now.first[piece + 1] - knife->now.first[piece];
+    return vec3_length(triangulate_normal(knife->points->position, corner, count)) / 2;
 }
 
 static bool drop_covered(ImprintKnife *knife, const ImprintContacts *c)
@@ -229,6 +244,7 @@ static bool drop_covered(ImprintKnife *knife, const ImprintContacts *c)
     for (uint32_t k = 0; k < knife->now.count; k++) {
         if (is_covered(knife, c, k)) {
             knife->covered = true;
+            knife->covered_area += piece_area(knife, k);
             continue;
         }
         const uint32_t *corner = knife->now.corner + knife->now.first[k];
@@ -245,6 +261,7 @@ bool imprint_cut(ImprintKnife *knife, uint32_t part, const ImprintContacts *c, u
     assert(part < knife->parts->count && most > 0);
     knife->part = &knife->parts->part[part];
     knife->covered = false;
+    knife->covered_area = 0;
     bool whole = true;
     const uint32_t few = WHOLE_PIECES + WHOLE_PER_LINE * c->inner;
     if (!begin(knife, c))

@@ -44,6 +44,15 @@ typedef struct {
     double   length;
 } ImprintLine;
 
+/* What a part is as a lamp. */
+typedef enum {
+    LAMP_UNKNOWN, /* not looked at yet */
+    LAMP_SHEET,   /* gives light; nothing is joined to the back of it */
+    LAMP_CASED,   /* the lit face of a dark case */
+    LAMP_BODY,    /* a side of something that gives light all round */
+    LAMP_NONE     /* gives none */
+} LampKind;
+
 typedef struct {
     ImprintLine *line;
     uint32_t     count;      /* longest first */
@@ -52,12 +61,19 @@ typedef struct {
     uint32_t     cover_count;
     size_t       capacity, cover_capacity;
     uint32_t    *met;        /* [parts]  entries of the tree; scratch */
+    uint8_t     *lamp;       /* [parts]  LampKind */
+    uint32_t    *row;        /* [parts]  a lit face, part by part; scratch */
+    uint32_t    *beside;     /* [parts]  scratch */
 } ImprintContacts;
 
 /* imprint_contacts.c: all lines and covers of one part. */
 bool imprint_contacts_find(const ImprintParts *parts, uint32_t part, ImprintContacts *contacts,
                            Error *err);
 void imprint_contacts_clear(ImprintContacts *contacts);
+
+/* imprint_lamps.c: fills in contacts->lamp of a part, and of those it goes on in. */
+bool imprint_lamp_find(const ImprintParts *parts, uint32_t part, ImprintContacts *contacts,
+                       Error *err);
 
 /* Convex pieces in a row; corners are indices into position. */
 typedef struct {
@@ -98,6 +114,7 @@ typedef struct {
     uint32_t           *half[2];
     size_t              known_count, known_capacity, height_capacity, half_capacity[2];
     bool                covered;  /* a piece was left out */
+    double              covered_area;
 } ImprintKnife;
 
 /* imprint_cut.c: cuts a part; at most about `most` pieces. */

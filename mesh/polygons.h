@@ -43,7 +43,8 @@ typedef struct {
     uint32_t *material;      /* [polygon_count]  index into materials */
     uint32_t *group;         /* [polygon_count]  index into group_name */
     const uint32_t *origin;  /* NULL, or [polygon_count]  where a polygon is a piece of one that was
-                                cut: its number before, which the first piece keeps; borrowed */
+                                cut: its number before; borrowed */
+    size_t    origin_first;  /* with origin: so many polygons are first pieces, the others follow */
     uint8_t  *contact;       /* NULL, or [first[polygon_count]]  1: another face stands on the edge
                                 from this corner to the next (inspect/imprint.h), and the faces at
                                 either side are never made one */

@@ -12,10 +12,10 @@ bool repair_report(Repair *repair, const Defect *defect)
     Note *note = &repair->note[defect->kind][defect->repaired];
     const Polygons *soup = repair->soup;
     /* A face that was cut counts once, by its first piece. */
-    const bool piece = soup->origin != NULL && defect->face < soup->polygon_count &&
-                       soup->origin[defect->face] != defect->face;
+    const bool known = soup->origin != NULL && defect->face < soup->polygon_count;
+    const bool piece = known && defect->face >= soup->origin_first;
     if (!piece && note->count++ == 0)
-        note->first = defect->face;
+        note->first = known ? soup->origin[defect->face] : defect->face;
     return defects_add(repair->defects, defect, repair->err);
 }
 

@@ -28,9 +28,10 @@ static Imprint imprinted(const TestRoom *r, uint32_t most)
     assert_true(imprint_create(&r->soup, &(ImprintOptions){ .most = most }, &im, NULL, &err));
     assert_true(polygons_check(&im.soup));
     assert_int_equal(im.original, r->soup.polygon_count);
-    assert_int_equal(im.soup.polygon_count, im.original + im.pieces);
-    for (size_t i = 0; i < im.original; i++)
-        assert_int_equal(im.face[i], i);
+    assert_int_equal(im.soup.polygon_count, im.soup.origin_first + im.pieces);
+    assert_in_range(im.soup.origin_first, 1, im.original);
+    for (size_t i = 0; i < im.soup.origin_first; i++)
+        assert_in_range(im.face[i], i == 0 ? 0 : im.face[i - 1] + 1, im.original - 1);
     return im;
 }
 
@@ -159,6 +160,94 @@ static void test_lamp_in_plane(void **state)
     }
 }
 
+/* A lamp that is a box against a wall, at its front or at its back: the wall stays whole, and the
+ * side of the box that lies in it is left out, as nothing sees it. */
+static void test_lamp_body(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        TestRoom r = { 0 };
+        const uint32_t wall = room_material(&r, 0.5, 0), lamp = room_material(&r, 0, 1);
+        const Vec3 x = { 4, 0, 0 }, y = { 0, 3, 0 };
+        room_quad(&r, vec3(0, 0, 2), k & 1 ? x : y, k & 1 ? y : x, wall, "wall");
+        const double z = k & 2 ? 2 : 1.5;
+        room_box(&r, vec3(1, 1, z), vec3(2, 2, z + 0.5), BOX_ALL, false, lamp, "lamp-");
+        Imprint im = imprinted(&r, 0);
+        double area;
+        pieces_of(&im, 0, &area);
+        assert_true(is_near(area, 12));
+        double lit = 0;
+        for (uint32_t i = 1; i <= 6; i++) {
+            pieces_of(&im, i, &area);
+            lit += area;
+        }
+        assert_true(is_near(lit, 3)); /* four sides of 0.5 and the one that is free */
+        assert_int_equal(im.soup.origin_first, 6);
+        assert_int_equal(im.covered, 1);
+        imprint_clear(&im);
+        room_clear(&r);
+    }
+}
+
+/* A floor under others of the same area in all, and under one that equals it: one layer stays. */
+static void test_covered_altogether(void **state)
+{
+    (void)state;
+    for (int halves = 1; halves <= 2; halves++) {
+        TestRoom r = { 0 };
+        const uint32_t wall = room_material(&r, 0.5, 0);
+        const double w = 4.0 / halves;
+        double area, sum = 0;
+        room_quad(&r, ORIGIN, vec3(4, 0, 0), vec3(0, 3, 0), wall, "floor");
+        for (int i = 0; i < halves; i++)
+            room_quad(&r, vec3(i * w, 0, 0), vec3(w, 0, 0), vec3(0, 3, 0), wall, "half");
+        Imprint im = imprinted(&r, 0);
+        for (uint32_t i = 0; i <= (uint32_t)halves; i++) {
+            pieces_of(&im, i, &area);
+            assert_true(i == 0 ? halves == 1 || area == 0 : halves == 2 || area == 0);
+            sum += area;
+        }
+        assert_true(is_near(sum, 12));
+        assert_int_equal(im.covered, 1);
+        assert_int_equal(im.soup.polygon_count, halves);
+        imprint_clear(&im);
+        room_clear(&r);
+    }
+}
+
+/* Decals in a floor, with few pieces and with many: what is left of the floor and the decals are
+ * never less than the floor, and equal to it when nothing was left uncut. */
+static void test_decals(void **state)
+{
+    (void)state;
+    static const uint32_t most[] = { 4, 100, 400, 20000 };
+    for (int k = 0; k < 4; k++) {
+        TestRoom r = { 0 };
+        const uint32_t wall = room_material(&r, 0.5, 0);
+        const double w = 0.1;
+        double area, cover = 0;
+        room_quad(&r, ORIGIN, vec3(4, 0, 0), vec3(0, 4, 0), wall, "floor");
+        for (int i = 0; i < 144; i++) {
+            const double x = 0.05 + 0.33 * (i % 12) + 0.011 * (i / 12);
+            const double y = 0.05 + 0.33 * (i / 12) + 0.013 * (i % 12);
+            room_quad(&r, vec3(x, y, 0), vec3(w, 0, 0), vec3(0, w, 0), wall, "decal");
+            cover += w * w;
+        }
+        Imprint im = imprinted(&r, most[k]);
+        pieces_of(&im, 0, &area);
+        assert_true(is_near(area + im.covered_area, 16));
+        assert_true(im.covered_area <= cover * (1 + rounding_bound(1000)));
+        if (k == 3)
+            assert_true(is_near(im.covered_area, cover));
+        for (uint32_t i = 1; i <= 144; i++) {
+            pieces_of(&im, i, &area);
+            assert_true(is_near(area, w * w));
+        }
+        imprint_clear(&im);
+        room_clear(&r);
+    }
+}
+
 /* A concave floor, a wall through a carpet, hundreds of legs: no area is lost, and pieces meet
  * corner to corner. */
 static void test_many(void **state)
@@ -228,6 +317,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_untouched), cmocka_unit_test(test_box_on_floor),
         cmocka_unit_test(test_wall_end),  cmocka_unit_test(test_lamp_in_plane),
+        cmocka_unit_test(test_lamp_body), cmocka_unit_test(test_covered_altogether),
+        cmocka_unit_test(test_decals),
         cmocka_unit_test(test_many),      cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
