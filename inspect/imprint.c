@@ -13,7 +13,7 @@
 
 /* One face may take this share of the pieces: things of many small faces that stand on a large one
  * must leave some for the walls. */
-enum { PIECES_MOST = 20000, FACE_PIECES_LEAST = 64, FACE_SHARE = 4, FACES_A_STEP = 256 };
+enum { PIECES_MOST = 20000, FACE_PIECES_LEAST = 64, FACE_SHARE = 4, A_STEP = 256 };
 
 /* Faces smaller than this share of the whole area are left to the sampling of patches: they are
  * smaller than any patch, and there are millions of them. */
@@ -42,6 +42,7 @@ typedef struct {
     uint32_t        ranked, left; /* left: pieces that may still be added */
     uint32_t        face_most;    /* to one face */
     uint32_t        pieces;       /* added so far */
+    const Monitor  *monitor;
     Imprint        *out;
     Error          *err;
 } Imprinter;
@@ -89,16 +90,41 @@ static bool keep_barriers(Imprinter *im)
     return true;
 }
 
-/* Cuts the parts of one face into im->raw; *changed when there is anything to tell of it. */
-static bool cut_parts(Imprinter *im, uint32_t face, bool *changed, bool *covered)
+static bool go_on(const Imprinter *im, uint32_t step)
+{
+    if (step % A_STEP == 0 && monitor_stop(im->monitor))
+        return error_set(im->err, ERROR_STOPPED, "stopped while looking for faces that touch");
+    return true;
+}
+
+/* Counts the face among those left when others touch it within its border. */
+static bool leave(Imprinter *im, uint32_t face)
 {
     const ImprintParts *parts = &im->parts;
+    for (uint32_t k = parts->first[face]; k < parts->first[face + 1]; k++) {
+        if (!go_on(im, k) || !imprint_contacts_find(parts, k, &im->contacts, im->err))
+            return false;
+        if (im->contacts.inner > 0 || im->contacts.cover_count > 0) {
+            im->out->left++;
+            return true;
+        }
+    }
+    return true;
+}
+
+/* Cuts the parts of one face into im->raw, `most` pieces or a few more in all; *changed when there
+ * is anything to tell of it. */
+static bool cut_parts(Imprinter *im, uint32_t face, uint32_t most, bool *changed, bool *covered)
+{
+    const ImprintParts *parts = &im->parts;
+    const uint32_t last = parts->first[face + 1];
     *changed = *covered = false;
     im->raw.count = im->lines = 0;
-    for (uint32_t k = parts->first[face]; k < parts->first[face + 1]; k++) {
-        const uint32_t most = im->left < im->face_most ? im->left : im->face_most;
-        if (!imprint_contacts_find(parts, k, &im->contacts, im->err) || !keep_barriers(im)
-            || !imprint_cut(&im->knife, k, &im->contacts, most + 1))
+    for (uint32_t k = parts->first[face]; k < last; k++) {
+        const uint32_t taken = im->raw.count + (last - k - 1);
+        if (!go_on(im, k) || !imprint_contacts_find(parts, k, &im->contacts, im->err)
+            || !keep_barriers(im)
+            || !imprint_cut(&im->knife, k, &im->contacts, taken < most ? most - taken : 1))
             return false;
         const ImprintPieces *now = &im->knife.now;
         *changed = *changed || now->count != 1 || im->knife.covered;
@@ -124,9 +150,13 @@ static bool take_whole(Imprinter *im, uint32_t face)
 static bool cut_face(Imprinter *im, uint32_t face)
 {
     bool changed, covered;
-    if (!cut_parts(im, face, &changed, &covered))
-        return false;
     const uint32_t parts = im->parts.first[face + 1] - im->parts.first[face];
+    const uint32_t most = 1 + (im->left < im->face_most ? im->left : im->face_most);
+    /* A cut face comes in its parts, at the least. */
+    if (im->left == 0 || parts > most)
+        return leave(im, face);
+    if (!cut_parts(im, face, most, &changed, &covered))
+        return false;
     if (changed && parts > 0 && im->raw.count == 0) {
         im->first[face] = GONE; /* others cover it altogether */
         im->out->covered++;
@@ -151,23 +181,16 @@ static bool cut_face(Imprinter *im, uint32_t face)
     return true;
 }
 
-static bool cut_all(Imprinter *im, const Monitor *monitor)
+static bool cut_all(Imprinter *im)
 {
     const size_t faces = im->parts.soup->polygon_count;
     im->first = array_create(faces, sizeof *im->first, "face contacts", im->err);
     im->count = array_create(faces, sizeof *im->count, "face contacts", im->err);
     if (error_is_set(im->err) || !rank_faces(im))
         return false;
-    for (uint32_t k = 0; k < im->ranked; k++) {
-        if (k % FACES_A_STEP == 0 && monitor_stop(monitor))
-            return error_set(im->err, ERROR_STOPPED, "stopped while looking for faces that touch");
-        if (im->left == 0) {
-            im->out->left = im->ranked - k;
-            break;
-        }
-        if (!cut_face(im, im->rank[k].face))
+    for (uint32_t k = 0; k < im->ranked; k++)
+        if (!go_on(im, k) || !cut_face(im, im->rank[k].face))
             return false;
-    }
     return true;
 }
 
@@ -240,8 +263,8 @@ static void tell(const Imprint *out, const Monitor *monitor)
                      out->covered);
     if (out->left > 0)
         monitor_warn(monitor, "contacts-left", "",
-                     "so many faces touch that the %u smallest of them were not cut where others "
-                     "stand on them; their patches may let light through", out->left);
+                     "so many faces touch that %u of them were not cut where others stand on them; "
+                     "their patches may let light through", out->left);
 }
 
 bool imprint_create(const Polygons *soup, const ImprintOptions *options, Imprint *out,
@@ -253,7 +276,7 @@ bool imprint_create(const Polygons *soup, const ImprintOptions *options, Imprint
         return false;
     const uint32_t most = options != NULL && options->most > 0 ? options->most : PIECES_MOST;
     const uint32_t share = most / FACE_SHARE;
-    Imprinter im = { .out = out, .err = err, .left = most,
+    Imprinter im = { .out = out, .err = err, .left = most, .monitor = monitor,
                      .face_most = share > FACE_PIECES_LEAST ? share : FACE_PIECES_LEAST };
     im.knife = (ImprintKnife){ .parts = &im.parts, .points = &im.points, .err = err };
     bool ok = imprint_parts_create(&im.parts, soup, err)
@@ -262,7 +285,7 @@ bool imprint_create(const Polygons *soup, const ImprintOptions *options, Imprint
     if (ok && soup->vertex_count > 0)
         memcpy(im.points.position, soup->position, soup->vertex_count * sizeof *soup->position);
     im.points.count = soup->vertex_count;
-    ok = ok && cut_all(&im, monitor) && assemble(&im);
+    ok = ok && cut_all(&im) && assemble(&im);
     if (ok)
         tell(out, monitor);
     imprint_parts_clear(&im.parts);

@@ -36,9 +36,9 @@ typedef struct {
     size_t   original;    /* polygons of the original */
     uint32_t cut;         /* faces that were cut */
     uint32_t pieces;      /* that were added */
-    uint32_t covered;     /* faces that gave way, in part or altogether, to others in their plane */
-    double   covered_area;/* of theirs that was left out */
-    uint32_t left;        /* faces not cut because there would be too many pieces */
+    uint32_t covered;     /* faces that gave way, in part or wholly, to others in their plane */
+    double   covered_area;/* of theirs, left out */
+    uint32_t left;        /* faces not cut where others touch: there would be too many pieces */
 } Imprint;
 
 /* options  NULL: defaults.
