@@ -114,7 +114,8 @@ bool pipeline_read(Pipeline *pipeline, Error *err)
 
 /* --- mesh and BVH ----------------------------------------------------------------------------- */
 
-static bool build_surfaces(Pipeline *pipeline, Error *err)
+/* `last`: unless a lamp is to be hung up and all made anew, when the same would be told twice. */
+static bool build_surfaces(Pipeline *pipeline, bool last, Error *err)
 {
     const double begin = progress_now();
     begin_stage(pipeline, STAGE_MESH);
@@ -126,9 +127,12 @@ static bool build_surfaces(Pipeline *pipeline, Error *err)
     const uint32_t patches = session->settings.patches;
     const ImprintOptions io = { .most = patches > PIECES_LEAST ? patches : PIECES_LEAST };
     Imprint imprint = { 0 };
+    Monitor quiet = session->monitor;
+    if (!last)
+        quiet.warn = NULL;
     defects_clear(&pipeline->defects);
     /* What is wrong with a file is looked for in its faces as they are. */
-    const bool cut = !check && imprint_create(soup, &io, &imprint, &session->monitor, &found);
+    const bool cut = !check && imprint_create(soup, &io, &imprint, &quiet, &found);
     imprint.soup.origin = imprint.face;
     if (cut || check || hurry_instead(pipeline, &found))
         pipeline->surfaces = surfaces_repair(cut ? &imprint.soup : soup,
@@ -177,13 +181,15 @@ static bool add_light(Pipeline *pipeline, Error *err)
         return false;
     pipeline->bvh = bvh_destroy(pipeline->bvh);
     pipeline->surfaces = surfaces_destroy(pipeline->surfaces);
-    return build_surfaces(pipeline, err) && build_bvh(pipeline, err);
+    return build_surfaces(pipeline, true, err) && build_bvh(pipeline, err);
 }
 
 bool pipeline_mesh(Pipeline *pipeline, Error *err)
 {
     assert(pipeline->scene != NULL);
-    if (!build_surfaces(pipeline, err) || !build_bvh(pipeline, err) || !add_light(pipeline, err))
+    const bool last = scene_has_light(pipeline->scene) || pipeline->session->options.light == 0;
+    if (!build_surfaces(pipeline, last, err) || !build_bvh(pipeline, err)
+        || !add_light(pipeline, err))
         return false;
     session_release(pipeline->session);
     return pipeline_fits(pipeline, 0, pipeline->session->options.scene, err);

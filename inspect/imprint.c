@@ -42,6 +42,7 @@ typedef struct {
     uint32_t        ranked, left; /* left: pieces that may still be added */
     uint32_t        face_most;    /* to one face */
     uint32_t        pieces;       /* added so far */
+    bool            overlapped;   /* the face being cut, by what is no lamp */
     const Monitor  *monitor;
     Imprint        *out;
     Error          *err;
@@ -119,6 +120,7 @@ static bool cut_parts(Imprinter *im, uint32_t face, uint32_t most, bool *changed
     const ImprintParts *parts = &im->parts;
     const uint32_t last = parts->first[face + 1];
     *changed = *covered = false;
+    im->overlapped = false;
     im->raw.count = im->lines = 0;
     for (uint32_t k = parts->first[face]; k < last; k++) {
         const uint32_t taken = im->raw.count + (last - k - 1);
@@ -129,6 +131,7 @@ static bool cut_parts(Imprinter *im, uint32_t face, uint32_t most, bool *changed
         const ImprintPieces *now = &im->knife.now;
         *changed = *changed || now->count != 1 || im->knife.covered;
         *covered = *covered || im->knife.covered;
+        im->overlapped = im->overlapped || im->knife.overlapped;
         im->out->covered_area += im->knife.covered_area;
         for (uint32_t i = 0; i < now->count; i++)
             if (!imprint_pieces_add(&im->raw, now->corner + now->first[i], NULL,
@@ -160,6 +163,7 @@ static bool cut_face(Imprinter *im, uint32_t face)
     if (changed && parts > 0 && im->raw.count == 0) {
         im->first[face] = GONE; /* others cover it altogether */
         im->out->covered++;
+        im->out->overlapped += im->overlapped;
         return true;
     }
     const bool cut = changed;
@@ -178,6 +182,7 @@ static bool cut_face(Imprinter *im, uint32_t face)
     im->left -= count - 1 < im->left ? count - 1 : im->left;
     im->out->cut += cut && count > 1;
     im->out->covered += cut && covered;
+    im->out->overlapped += cut && im->overlapped;
     return true;
 }
 
@@ -257,10 +262,10 @@ static bool assemble(Imprinter *im)
 
 static void tell(const Imprint *out, const Monitor *monitor)
 {
-    if (out->covered > 0)
+    if (out->overlapped > 0)
         monitor_warn(monitor, "covered", "",
                      "%u faces lie under others in their own plane; that part of them was left out",
-                     out->covered);
+                     out->overlapped);
     if (out->left > 0)
         monitor_warn(monitor, "contacts-left", "",
                      "so many faces touch that %u of them were not cut where others stand on them; "

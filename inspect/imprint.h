@@ -30,13 +30,15 @@ typedef struct {
 
 typedef struct {
     Polygons soup;        /* the faces, cut; the first piece of each that is not covered
-                             altogether, in their order, then the other pieces. Materials, groups and shapes belong to the original,
-                             which must outlive this; soup.contact is filled in */
+                             altogether, in their order, then the other pieces. Materials, groups
+                             and shapes belong to the original, which must outlive this;
+                             soup.contact is filled in */
     uint32_t *face;       /* [soup.polygon_count]  polygon of the original */
     size_t   original;    /* polygons of the original */
     uint32_t cut;         /* faces that were cut */
     uint32_t pieces;      /* that were added */
     uint32_t covered;     /* faces that gave way, in part or wholly, to others in their plane */
+    uint32_t overlapped;  /* of these, those that gave way to others than lamps: this is told */
     double   covered_area;/* of theirs, left out */
     uint32_t left;        /* faces not cut where others touch: there would be too many pieces */
 } Imprint;

@@ -210,7 +210,8 @@ static bool begin(ImprintKnife *knife, const ImprintContacts *c)
 
 /* Whether some face in the same plane lies on the whole of a piece: where cuts were left out for
  * their number, a piece may be covered in part only, and stays. */
-static bool is_covered(const ImprintKnife *knife, const ImprintContacts *c, uint32_t piece)
+static bool is_covered(const ImprintKnife *knife, const ImprintContacts *c, uint32_t piece,
+                       bool *by_lamp)
 {
     const uint32_t *corner = knife->now.corner + knife->now.first[piece];
     const uint32_t count = knife->now.first[piece + 1] - knife->now.first[piece];
@@ -226,6 +227,7 @@ static bool is_covered(const ImprintKnife *knife, const ImprintContacts *c, uint
         for (uint32_t i = 0; i < count && in; i++)
             in = imprint_inside(position, outline, other->count, other->normal, tolerance,
                                 position[corner[i]]);
+        *by_lamp = c->lamp[c->cover[k]] != LAMP_NONE;
         if (in)
             return true;
     }
@@ -242,8 +244,10 @@ static double piece_area(const ImprintKnife *knife, uint32_t piece)
 static bool drop_covered(ImprintKnife *knife, const ImprintContacts *c)
 {
     for (uint32_t k = 0; k < knife->now.count; k++) {
-        if (is_covered(knife, c, k)) {
+        bool by_lamp;
+        if (is_covered(knife, c, k, &by_lamp)) {
             knife->covered = true;
+            knife->overlapped = knife->overlapped || !by_lamp;
             knife->covered_area += piece_area(knife, k);
             continue;
         }
@@ -260,7 +264,7 @@ bool imprint_cut(ImprintKnife *knife, uint32_t part, const ImprintContacts *c, u
 {
     assert(part < knife->parts->count && most > 0);
     knife->part = &knife->parts->part[part];
-    knife->covered = false;
+    knife->covered = knife->overlapped = false;
     knife->covered_area = 0;
     bool whole = true;
     const uint32_t few = WHOLE_PIECES + WHOLE_PER_LINE * c->inner;

@@ -114,6 +114,7 @@ typedef struct {
     uint32_t           *half[2];
     size_t              known_count, known_capacity, height_capacity, half_capacity[2];
     bool                covered;  /* a piece was left out */
+    bool                overlapped; /* by what is no lamp */
     double              covered_area;
 } ImprintKnife;
 

@@ -155,6 +155,7 @@ static void test_lamp_in_plane(void **state)
         assert_int_equal(pieces_of(&im, 1, &area), 1);
         assert_true(is_near(area, 1));
         assert_int_equal(im.covered, 1);
+        assert_int_equal(im.overlapped, 0);
         imprint_clear(&im);
         room_clear(&r);
     }
@@ -209,6 +210,7 @@ static void test_covered_altogether(void **state)
         }
         assert_true(is_near(sum, 12));
         assert_int_equal(im.covered, 1);
+        assert_int_equal(im.overlapped, 1);
         assert_int_equal(im.soup.polygon_count, halves);
         imprint_clear(&im);
         room_clear(&r);
