@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Surfaces much smaller than a patch are put together: which ones may be, and the order of steps.
  *
- * Regions grow over neighbours with like normals, are relaxed as in variational shape approximation
- * [cohen-steiner04], and what stays a fragment is joined with others nearby.
+ * Regions grow over neighbours with like normals and are relaxed as in variational shape
+ * approximation [cohen-steiner04].
  *
  * A patch has one radiosity, so light that reached one piece would leave from all: no wall may
- * stand between them. Neighbours over an edge are safe, as surfaces are no neighbours where another
- * stands on the edge. Across gaps only whole parts go together, never pieces of what may be a room.
+ * stand between them. Neighbours over an edge are safe where no third surface has the edge and both
+ * look the same way. Nothing else is joined: across a gap there may be a wall, and over the edge
+ * of a box a slab that it stands on.
  */
 #include <assert.h>
 #include <math.h>
@@ -26,6 +27,7 @@ typedef struct {
     const PatchOptions *options;
     double         size;
     unsigned       side;
+    const uint8_t *shared;     /* [surfaces->count]  of merge_shared_edges */
     uint64_t      *kind;       /* [kind_count]  rising: what pieces must agree in */
     uint32_t       kind_count;
     Error         *err;
@@ -132,13 +134,15 @@ static bool make_classes(MergeSetup *setup)
     return true;
 }
 
-static void link_pieces(Merge *m)
+static void link_pieces(const MergeSetup *setup)
 {
+    Merge *m = setup->merge;
     for (uint32_t i = 0; i < m->count; i++) {
         MergePiece *piece = &m->piece[i];
         const Surface *f = &m->surfaces->surface[piece->surface];
         for (unsigned k = 0; k < 4; k++) {
-            const uint32_t other = k < patches_corners(f) ? f->neighbour[k] : SURFACE_NONE;
+            const bool open = k < patches_corners(f) && !(setup->shared[piece->surface] >> k & 1);
+            const uint32_t other = open ? f->neighbour[k] : SURFACE_NONE;
             const uint32_t j = other == SURFACE_NONE ? MERGE_NONE : m->local[other];
             piece->next[k] = j != MERGE_NONE && m->piece[j].class == piece->class ? j : MERGE_NONE;
         }
@@ -155,7 +159,7 @@ static bool make_pieces(MergeSetup *setup)
     }
     if (!make_classes(setup))
         return false;
-    link_pieces(m);
+    link_pieces(setup);
     return true;
 }
 
@@ -180,7 +184,7 @@ static bool merge_side(MergeSetup *setup, const Surfaces *surfaces, uint32_t *cl
     m.cluster_of = array_create(count, sizeof *m.cluster_of, "patch pieces", setup->err);
     m.cluster = array_create(count, sizeof *m.cluster, "patch pieces", setup->err);
     if (!error_is_set(setup->err) && make_pieces(setup) && merge_grow(&m, setup->err)
-        && merge_relax(&m, setup->err) && merge_join(&m, setup->err)) {
+        && merge_relax(&m, setup->err)) {
         for (uint32_t i = 0; i < m.count; i++)
             cluster[2 * (size_t)m.piece[i].surface + setup->side] = *base + m.cluster_of[i];
         *base += m.cluster_count;
@@ -224,10 +228,13 @@ bool merge_small(const Surfaces *surfaces, const PatchOptions *options, double s
     *cluster_count = 0;
     for (uint32_t i = 0; i < nodes; i++)
         cluster[i] = PATCH_NONE;
-    for (unsigned side = 0; side < 2; side++) {
-        MergeSetup setup = { .options = options, .size = size, .side = side, .err = err };
-        if (!merge_side(&setup, surfaces, cluster, &raw))
-            return false;
+    uint8_t *shared = array_create(surfaces->count, sizeof *shared, "patch edges", err);
+    bool ok = shared != NULL && merge_shared_edges(surfaces, shared, err);
+    for (unsigned side = 0; ok && side < 2; side++) {
+        MergeSetup setup = { .options = options, .size = size, .side = side, .shared = shared,
+                             .err = err };
+        ok = merge_side(&setup, surfaces, cluster, &raw);
     }
-    return number_clusters(cluster, nodes, raw, cluster_count, err);
+    array_free(shared);
+    return ok && number_clusters(cluster, nodes, raw, cluster_count, err);
 }

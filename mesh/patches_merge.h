@@ -28,10 +28,6 @@ static const double merge_needle_most = 1.1;
  * normals are further apart and all are in a cone of half that, the crease angle, about. */
 static const double merge_chord_most = 1;
 
-/* A cluster of less than this is a fragment, joined with others whatever their normals: a patch
- * whose edge is half of the wanted one; what is larger stands for itself, as such cells do. */
-static const double merge_fragment = 0.25;
-
 /* A place and a normal in one point, so that both are limited and compared alike. */
 enum { MERGE_PLACE = 3, MERGE_AXES = 6 };
 
@@ -99,8 +95,8 @@ static inline MergeBox merge_piece_box(const MergePiece *piece)
     return box;
 }
 
-/* Whether a box keeps the limit of place and, when asked, that of normals. */
-static inline bool merge_box_fits(const MergeBox *box, bool normals)
+/* Whether a box keeps the limits of place and of normals. */
+static inline bool merge_box_fits(const MergeBox *box)
 {
     double square[2] = { 0, 0 };
     for (int k = 0; k < MERGE_AXES; k++) {
@@ -109,9 +105,12 @@ static inline bool merge_box_fits(const MergeBox *box, bool normals)
     }
     const double needle = merge_needle_most * box->longest;
     const double most = needle > merge_extent_most ? needle : merge_extent_most;
-    return square[0] <= most * most
-        && (!normals || square[1] <= merge_chord_most * merge_chord_most);
+    return square[0] <= most * most && square[1] <= merge_chord_most * merge_chord_most;
 }
+
+/* patches_merge_edges.c: shared[i] bit k: edge k of surface i, or a piece of it between stitches,
+ * is an edge of more than two surfaces. fails  false and ERROR_MEMORY. */
+bool merge_shared_edges(const Surfaces *surfaces, uint8_t *shared, Error *err);
 
 /* patches_merge_grow.c: a heap of keys, the least on top; the caller has the room. */
 void merge_heap_push(uint64_t *heap, uint32_t *count, uint64_t key);
@@ -120,11 +119,8 @@ uint64_t merge_heap_pop(uint64_t *heap, uint32_t *count);
 /* patches_merge_grow.c: clusters over neighbours. fails  false and ERROR_MEMORY. */
 bool merge_grow(Merge *m, Error *err);
 
-/* patches_merge_relax.c: pieces at borders go to the nearer cluster, small clusters to neighbours:
- * first to those with like normals, what is a fragment even then to any. */
+/* patches_merge_relax.c: pieces at borders go to the nearer cluster, small clusters to neighbours
+ * with like normals. */
 bool merge_relax(Merge *m, Error *err);
-
-/* patches_merge_join.c: fragments that are whole parts are joined across gaps. */
-bool merge_join(Merge *m, Error *err);
 
 #endif

@@ -107,7 +107,7 @@ static void grow_cluster(Grower *g, uint32_t seed)
         merge_box_add(&box, &c->box);
         /* Nearer to the aim with it than without it. */
         const bool enough = c->area + piece->area / 2 > merge_area;
-        if (enough || !merge_box_fits(&box, true))
+        if (enough || !merge_box_fits(&box))
             leave_piece(g, i);
         else
             take_piece(g, number, i);

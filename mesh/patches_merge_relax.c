@@ -68,7 +68,7 @@ static uint32_t cluster_beside(const Merge *m, uint32_t i, unsigned k)
 }
 
 /* The neighbour that remnant c fits best, or c. Pieces it has taken in itself are not asked. */
-static uint32_t best_host(Relaxer *r, uint32_t c, bool normals)
+static uint32_t best_host(Relaxer *r, uint32_t c)
 {
     const Merge *m = r->merge;
     const MergeCluster *remnant = &m->cluster[c];
@@ -87,7 +87,7 @@ static uint32_t best_host(Relaxer *r, uint32_t c, bool normals)
             MergeBox box = h->box;
             merge_box_add(&box, &remnant->box);
             const double d = distance(h, at);
-            if (h->area + remnant->area > merge_area_most || !merge_box_fits(&box, normals)
+            if (h->area + remnant->area > merge_area_most || !merge_box_fits(&box)
                 || !(d < least))
                 continue;
             least = d;
@@ -97,8 +97,9 @@ static uint32_t best_host(Relaxer *r, uint32_t c, bool normals)
     return best;
 }
 
-/* Clusters below an area are given to others. */
-static void give_away(Relaxer *r, double below, bool normals)
+/* Remnants are given to others. Never to one that looks elsewhere, however small they are: below a
+ * box on a slab is another room than beside it. */
+static void give_away(Relaxer *r)
 {
     Merge *m = r->merge;
     list_members(r);
@@ -106,9 +107,9 @@ static void give_away(Relaxer *r, double below, bool normals)
         r->parent[c] = c;
     for (uint32_t c = 0; c < m->cluster_count; c++) {
         MergeCluster *remnant = &m->cluster[c];
-        if (!(remnant->area > 0 && remnant->area < below))
+        if (!(remnant->area > 0 && remnant->area < REMNANT))
             continue;
-        const uint32_t host = best_host(r, c, normals);
+        const uint32_t host = best_host(r, c);
         if (host == c)
             continue;
         MergeCluster *h = &m->cluster[host];
@@ -159,7 +160,7 @@ static void move_borders(Merge *m)
                 least = distance(&m->cluster[own], piece->at);
             const double d = distance(c, piece->at);
             if (d < least && c->area + piece->area <= merge_area_most
-                && merge_box_fits(&box, true)) {
+                && merge_box_fits(&box)) {
                 least = d;
                 best = other;
             }
@@ -193,14 +194,12 @@ bool merge_relax(Merge *m, Error *err)
     r.first = array_create((size_t)m->cluster_count + 1, sizeof *r.first, "patch pieces", err);
     r.member = array_create(m->count, sizeof *r.member, "patch pieces", err);
     if (!error_is_set(err)) {
-        give_away(&r, REMNANT, true);
+        give_away(&r);
         for (int k = 0; k < SWEEPS; k++) {
             move_borders(m);
             fit_boxes(m);
         }
-        give_away(&r, REMNANT, true);
-        give_away(&r, merge_fragment, false);
-        give_away(&r, merge_fragment, false); /* lists are complete again */
+        give_away(&r);
     }
     array_free(r.parent);
     array_free(r.first);
