@@ -9,8 +9,8 @@
 #include "base/array.h"
 #include "radiosity/adapt.h"
 
-/* Patches at the beginning for one wanted. Where light changes little they stay as they are; coarser
- * ones would have the shapes that happen to fit, not square ones. */
+/* Patches at the beginning for one wanted. Where light changes little they stay as they are;
+ * coarser ones would have the shapes that happen to fit, not square ones. */
 static const double START_SHARE = 1.0 / 4;
 
 /* A pass divides patches whose error is above this many times the mean; the last one as many as are

@@ -125,8 +125,8 @@ static void interpolate(const Adapting *a, const AdaptPoint *at, unsigned side,
             value[v] += weight[k] * a->vertex[(size_t)vertex[k] * VALUES + (size_t)v];
 }
 
-/* Square of the error, by two ways that each miss something. One: what the mesh misses of the indirect
- * light is the same in both halves; of the direct light, both are off by the same error of the mesh
+/* Square of the error, by two ways that each miss something. One: what the mesh misses of the
+ * indirect light is the same in both halves; of the direct light, both are off by the same error of the mesh
  * and by noise that knows nothing of the other's: so the product of both halves is off by nothing
  * in the mean, but by much where few rays to near lamps make it. Two: all light as the row says,
  * which knows no shadows inside the patch. */

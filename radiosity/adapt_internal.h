@@ -25,8 +25,8 @@ typedef struct {
 /* A patch's pieces. */
 void adapt_pieces(const Room *room, uint32_t patch, AdaptPiece *piece);
 
-/* Share of the hemisphere that sources take up at each point, the light they reflect from there, and
- * what they emit. */
+/* Share of the hemisphere that sources take up at each point, the light they reflect from there,
+ * and what they emit. */
 typedef struct {
     float share[ADAPT_POINTS], reflected[ADAPT_POINTS], own[ADAPT_POINTS];
 } AdaptShares;
