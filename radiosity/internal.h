@@ -272,6 +272,8 @@ void reach_aim(Reach *reach, Vec3 eye);
 /* Follows sight from all places reached until nothing new turns up.
  * fails  false and ERROR_STOPPED. */
 bool reach_spread(Reach *reach, Error *err);
+/* Only lets what was added look on, without looking back; false when stopped. */
+bool reach_spread_on(Reach *reach);
 
 /* sides_shells.c: which parts are closed and wound alike: sight never passes from their fronts to
  * their backs. */

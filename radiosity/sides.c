@@ -15,26 +15,55 @@ enum { LOOK_RAYS = 1 << 17, LOOK_MIN = 128, LOOK_MAX = 8192 };
 /* Surfaces times eyes up to which each surface looks for each eye: a second's work. */
 static const size_t AIM_MOST = 1 << 18;
 
-static void start(Reach *reach, const Light *lights, size_t light_count,
-                  const SidesOptions *options, const uint8_t *emitting)
+/* Lamps and lights that reach less than this share of the scene's area light hardly anything. */
+static const double DARK_SHARE = 1.0 / 20;
+
+static void start_lamps(Reach *reach, const uint8_t *emitting)
 {
     for (uint32_t i = 0; i < reach->surfaces->count; i++)
         for (unsigned side = 0; side < 2; side++)
             if ((emitting[i] >> side) & 1)
                 reach_add_side(reach, 2 * i + side);
-    const size_t eyes = options->eye_count + light_count;
-    if (eyes == 0)
-        return;
-    const size_t each = LOOK_RAYS / eyes;
+}
+
+/* Point number k of all eyes and lights. */
+static void start_point(Reach *reach, Vec3 point, size_t k, size_t points, uint32_t seed)
+{
+    const size_t each = LOOK_RAYS / points;
     const uint32_t rays = each < LOOK_MIN ? LOOK_MIN : each > LOOK_MAX ? LOOK_MAX : (uint32_t)each;
-    for (size_t k = 0; k < eyes; k++) {
-        const Vec3 eye = k < options->eye_count ? options->eye[k]
-                                                : lights[k - options->eye_count].position;
-        reach_look(reach, eye, rays,
-                   sampling_seed(options->seed, (uint32_t)k, SEED_SIDES, UINT32_MAX));
-        if (eyes * reach->surfaces->count <= AIM_MOST)
-            reach_aim(reach, eye);
+    reach_look(reach, point, rays, sampling_seed(seed, (uint32_t)k, SEED_SIDES, UINT32_MAX));
+    if (points * reach->surfaces->count <= AIM_MOST)
+        reach_aim(reach, point);
+}
+
+/* Warns when what lamps and lights reach by themselves is hardly anything. */
+static void warn_dark(const Reach *reach)
+{
+    double lit = 0, all = 0;
+    for (uint32_t i = 0; i < reach->surfaces->count; i++) {
+        all += reach->surfaces->surface[i].area;
+        lit += reach->used[i] != 0 ? reach->surfaces->surface[i].area : 0;
     }
+    if (reach->reached > 0 && lit < DARK_SHARE * all)
+        monitor_warn(reach->monitor, "dark-scene", "",
+                     "only %.2g %% of the scene's area is in reach of any light: a lamp may be shut "
+                     "in, or wound the wrong way round (--emit back)", 100 * lit / all);
+}
+
+/* First what gives light: it is known then what that reaches; then the eyes. */
+static bool start(Reach *reach, const Light *lights, size_t light_count,
+                  const SidesOptions *options, const uint8_t *emitting, Error *err)
+{
+    const size_t eyes = options->eye_count, points = eyes + light_count;
+    start_lamps(reach, emitting);
+    for (size_t k = 0; k < light_count; k++)
+        start_point(reach, lights[k].position, eyes + k, points, options->seed);
+    if (!reach_spread_on(reach))
+        return error_set(err, ERROR_STOPPED, "stopped while looking for sides in sight");
+    warn_dark(reach);
+    for (size_t k = 0; k < eyes; k++)
+        start_point(reach, options->eye[k], k, points, options->seed);
+    return true;
 }
 
 static void count_sides(const Surfaces *surfaces, const uint8_t *sides, SidesReport *report)
@@ -71,8 +100,8 @@ bool sides_find(const Surfaces *surfaces, const Bvh *bvh, const Material *materi
     Reach reach;
     bool done = reach_create(&reach, surfaces, bvh, options, monitor, err);
     if (done) {
-        start(&reach, lights, light_count, options, emitting);
-        done = reach_spread(&reach, err);
+        done = start(&reach, lights, light_count, options, emitting, err)
+            && reach_spread(&reach, err);
         memcpy(sides, reach.used, surfaces->count);
         count_sides(surfaces, sides, report);
     }

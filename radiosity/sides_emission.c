@@ -14,6 +14,17 @@ static const double HAIR = 1.0 / 50;
 /* Points of each surface of a lamp from which the way to a wall is tried. */
 enum { POINTS = 16 };
 
+/* Steps of a walk that tries whether light can leave where a side of a lamp is, and about as many
+ * walks as all surfaces of a lamp share at most: a bulb may have a million triangles. */
+enum { STEPS = 8, WALKS = 1 << 14 };
+
+/* A lamp's own case: a box round all that is in it has less than this share of the scene's area,
+ * while the lamp has at least that share of the box's. A room is no case: it is larger. */
+static const double CASE_SHARE = 1.0 / 20, CASE_LAMP = 1.0 / 5;
+
+/* Walks that may slip out through cracks of a closed lamp. */
+static const double LEAK_SHARE = 1.0 / 200;
+
 typedef struct {
     const Surfaces *surfaces;
     const Bvh      *bvh;
@@ -23,7 +34,12 @@ typedef struct {
     uint8_t        *seen;    /* [surfaces]  belongs to a lamp looked at already */
     uint32_t       *member;  /* [surfaces]  the lamp being looked at */
     uint32_t        members;
+    double          area;    /* of the scene */
 } LampSearch;
+
+typedef struct {
+    Vec3 lo, hi;
+} Bounds;
 
 static bool emits(const LampSearch *search, uint32_t surface, unsigned side)
 {
@@ -55,7 +71,7 @@ static void gather_lamp(LampSearch *search, uint32_t first)
         }
 }
 
-static double lamp_extent(const LampSearch *search)
+static Bounds lamp_bounds(const LampSearch *search)
 {
     Vec3 lo = vec3(INFINITY, INFINITY, INFINITY), hi = vec3_scale(lo, -1);
     const Surfaces *surfaces = search->surfaces;
@@ -75,7 +91,7 @@ static double lamp_extent(const LampSearch *search)
             hi = vec3_max(hi, p);
         }
     }
-    return vec3_length(vec3_sub(hi, lo));
+    return (Bounds){ lo, hi };
 }
 
 static void lamp_point(const LampSearch *search, uint32_t surface, unsigned side, const float x[2],
@@ -127,6 +143,16 @@ static bool sees_eye(const LampSearch *search, const SurfacePoint *at)
     return false;
 }
 
+/* The ray from a point of the lamp towards (a, b) of its hemisphere. */
+static Ray ray_towards(const LampSearch *search, const SurfacePoint *at, double a, double b)
+{
+    Vec3 u, v;
+    const Vec3 local = sampling_cosine(a, b);
+    vec3_frame(at->normal, &u, &v);
+    const Vec3 d = vec3_mad(vec3_mad(vec3_scale(at->normal, local.z), local.x, u), local.y, v);
+    return ray_leaving(at->point, at->normal, search->offset, d, INFINITY);
+}
+
 /* Share of rays from a side of the lamp that meet something that is no lamp; 1 when an eye sees
  * that side. Rays that are enough to tell are not cast. */
 static double meeting_share(const LampSearch *search, unsigned side, bool any)
@@ -136,14 +162,9 @@ static double meeting_share(const LampSearch *search, unsigned side, bool any)
         for (uint32_t n = 0; n < POINTS; n++) {
             float x[4];
             SurfacePoint at;
-            Vec3 u, v;
             sampling_sobol4(n, k, x);
             lamp_point(search, search->member[k], side, x, &at);
-            const Vec3 local = sampling_cosine(x[2], x[3]);
-            vec3_frame(at.normal, &u, &v);
-            const Vec3 d = vec3_mad(vec3_mad(vec3_scale(at.normal, local.z), local.x, u),
-                                    local.y, v);
-            const Ray ray = ray_leaving(at.point, at.normal, search->offset, d, INFINITY);
+            const Ray ray = ray_towards(search, &at, x[2], x[3]);
             Hit hit;
             if (any && sees_eye(search, &at))
                 return 1;
@@ -157,6 +178,141 @@ static double meeting_share(const LampSearch *search, unsigned side, bool any)
     return (double)met / (POINTS * search->members);
 }
 
+/* --- lamps shut in ---------------------------------------------------------------------------- */
+
+/* Whether a surface shines to its front as a piece of the lamp's own body, whatever its
+ * material. */
+static bool is_own(const LampSearch *search, uint32_t surface)
+{
+    const uint32_t *part = search->surfaces->part;
+    return part[surface] == part[search->member[0]] && !is_double(search, surface) &&
+           emits(search, surface, 0);
+}
+
+/* Whether the back sees an eye, or a side of another body that may be lit or shines itself. */
+static bool meets_other(const LampSearch *search)
+{
+    const uint32_t stride = 1 + search->members / WALKS;
+    for (uint32_t k = 0; k < search->members; k += stride)
+        for (uint32_t n = 0; n < POINTS; n++) {
+            float x[4];
+            SurfacePoint at;
+            Hit hit;
+            sampling_sobol4(n, k, x);
+            lamp_point(search, search->member[k], 1, x, &at);
+            if (n == 0 && sees_eye(search, &at))
+                return true;
+            const Ray ray = ray_towards(search, &at, x[2], x[3]);
+            if (!bvh_nearest(search->bvh, &ray, &hit))
+                continue;
+            const uint32_t met = surfaces_of_primitive(search->surfaces, hit.primitive);
+            const Vec3 front = surfaces_normal(search->surfaces, hit.primitive, hit.u, hit.v);
+            const Vec3 d = { ray.dx, ray.dy, ray.dz };
+            if (!is_own(search, met) && (!emits(search, met, 0) || vec3_dot(front, d) < 0))
+                return true;
+        }
+    return false;
+}
+
+static double bounds_area(const Bounds *b)
+{
+    const Vec3 d = vec3_sub(b->hi, b->lo);
+    return 2 * (d.x * d.y + d.y * d.z + d.z * d.x);
+}
+
+static bool is_case(const LampSearch *search, const Bounds *b, double lamp)
+{
+    const double area = bounds_area(b);
+    return area < CASE_SHARE * search->area && lamp >= CASE_LAMP * area;
+}
+
+/* One walk from a side of the lamp; returns whether it stays with the lamp and in its case, whose
+ * bounds grow. `lamp` is the lamp's area. */
+static bool walk_stays(const LampSearch *search, SurfacePoint at, uint32_t seed, double lamp,
+                       Bounds *bounds)
+{
+    for (uint32_t step = 0; step < STEPS; step++) {
+        float x[2];
+        Hit hit;
+        sampling_sobol2(step, seed, x);
+        const Ray ray = ray_towards(search, &at, x[0], x[1]);
+        const Vec3 d = { ray.dx, ray.dy, ray.dz };
+        if (!bvh_nearest(search->bvh, &ray, &hit))
+            return false;
+        const uint32_t met = surfaces_of_primitive(search->surfaces, hit.primitive);
+        double s, t;
+        surfaces_parameters(search->surfaces, hit.primitive, hit.u, hit.v, &s, &t);
+        surfaces_point(search->surfaces, met, s, t, &at);
+        if (vec3_dot(at.normal, d) > 0)
+            at.normal = vec3_scale(at.normal, -1);
+        if (is_own(search, met))
+            continue;
+        const Bounds grown = { vec3_min(bounds->lo, at.point), vec3_max(bounds->hi, at.point) };
+        if (emits(search, met, 0) || emits(search, met, 1) || !is_case(search, &grown, lamp))
+            return false;
+        *bounds = grown;
+    }
+    return true;
+}
+
+/* Whether light that leaves this side of the lamp meets nothing but the lamp's own body, or stays
+ * in a small case round it. */
+static bool is_shut_in(const LampSearch *search, unsigned side, Bounds *bounds)
+{
+    const uint32_t each = WALKS / search->members;
+    const uint32_t walks = each < 1 ? 1 : each > POINTS ? POINTS : each;
+    const double bearable = LEAK_SHARE * walks * search->members;
+    double lamp = 0, escaped = 0;
+    for (uint32_t k = 0; k < search->members; k++)
+        lamp += search->surfaces->surface[search->member[k]].area;
+    for (uint32_t k = 0; k < search->members; k++)
+        for (uint32_t n = 0; n < walks; n++) {
+            float x[2];
+            SurfacePoint at;
+            const uint32_t seed = sampling_seed(search->options->seed, search->member[k],
+                                                SEED_SIDES, n);
+            sampling_sobol2(n, k, x);
+            lamp_point(search, search->member[k], side, x, &at);
+            escaped += !walk_stays(search, at, seed, lamp, bounds);
+            if (escaped > bearable)
+                return false;
+        }
+    return true;
+}
+
+/* Whether an eye inside the bounds sees that side of the lamp. */
+static bool seen_within(const LampSearch *search, unsigned side, const Bounds *bounds)
+{
+    SidesOptions within = { 0 };
+    LampSearch one = *search;
+    one.options = &within;
+    within.eye_count = 1;
+    for (size_t e = 0; e < search->options->eye_count; e++) {
+        const Vec3 eye = search->options->eye[e];
+        if (eye.x < bounds->lo.x || eye.y < bounds->lo.y || eye.z < bounds->lo.z ||
+            eye.x > bounds->hi.x || eye.y > bounds->hi.y || eye.z > bounds->hi.z)
+            continue;
+        within.eye = &search->options->eye[e];
+        const uint32_t stride = 1 + search->members / WALKS;
+        for (uint32_t k = 0; k < search->members; k += stride) {
+            SurfacePoint at;
+            lamp_point(search, search->member[k], side, (const float[2]){ 0.4F, 0.4F }, &at);
+            if (sees_eye(&one, &at))
+                return true;
+        }
+    }
+    return false;
+}
+
+/* A lamp whose light stays in it, while its back looks at the scene: a bulb wound inward. A room
+ * whose own walls shine is none: there is nothing behind them, or an eye is in it. */
+static bool faces_inward(const LampSearch *search)
+{
+    Bounds bounds = lamp_bounds(search), behind = bounds;
+    return is_shut_in(search, 0, &bounds) && meets_other(search) && !is_shut_in(search, 1, &behind)
+        && !seen_within(search, 0, &bounds);
+}
+
 static bool faces_nothing(const LampSearch *search)
 {
     return meeting_share(search, 0, true) == 0 && meeting_share(search, 1, false) > 0.5;
@@ -165,9 +321,10 @@ static bool faces_nothing(const LampSearch *search)
 /* Decides for the lamp in `member`; returns whether it was turned. */
 static bool decide_auto(const LampSearch *search, uint8_t *emitting)
 {
-    const double reach = HAIR * lamp_extent(search);
-    const bool turn = (faces_wall(search, 0, reach) || faces_nothing(search))
-                   && !faces_wall(search, 1, reach);
+    const Bounds bounds = lamp_bounds(search);
+    const double reach = HAIR * vec3_length(vec3_sub(bounds.hi, bounds.lo));
+    const bool turn = (faces_wall(search, 0, reach) || faces_nothing(search) ||
+                       faces_inward(search)) && !faces_wall(search, 1, reach);
     for (uint32_t k = 0; k < search->members; k++)
         emitting[search->member[k]] = turn ? 2 : 1;
     return turn;
@@ -202,8 +359,9 @@ static void decide_all(LampSearch *search, EmitSide emit, uint8_t *emitting, uin
     }
     if (*turned > 0)
         monitor_warn(monitor, "lamp-turned", name,
-                     "%u lamp surfaces face a wall a hair away, or nothing at all: their light "
-                     "leaves the back instead (--emit front keeps it)", *turned);
+                     "%u lamp surfaces face a wall a hair away, nothing at all, or only the inside "
+                     "of their own lamp: their light leaves the back instead (--emit front keeps "
+                     "it)", *turned);
 }
 
 bool sides_emission(const Surfaces *surfaces, const Bvh *bvh, const Material *materials,
@@ -218,6 +376,8 @@ bool sides_emission(const Surfaces *surfaces, const Bvh *bvh, const Material *ma
     search.member =
         array_create(surfaces->count, sizeof *search.member, "the search for lamps", err);
     const bool made = !error_is_set(err);
+    for (uint32_t i = 0; i < surfaces->count; i++)
+        search.area += surfaces->surface[i].area;
     *turned = 0;
     if (made)
         decide_all(&search, options->emit, emitting, turned, monitor);

@@ -265,7 +265,7 @@ static void on_chunk(void *context, uint32_t begin, uint32_t end, unsigned worke
 }
 
 /* Lets all places that have not yet done so look on. */
-static bool spread_on(Reach *reach)
+bool reach_spread_on(Reach *reach)
 {
     while (reach->shot < reach->reached) {
         const uint64_t waiting = reach->reached - reach->shot;
@@ -547,14 +547,14 @@ bool reach_spread(Reach *reach, Error *err)
     for (uint32_t idle = 0; done && back.round < ROUNDS_MAX && idle < IDLE_MOST; back.round++) {
         const uint64_t before = reach->reached;
         begin_round(&back);
-        done = spread_on(reach) && round_back(&back);
+        done = reach_spread_on(reach) && round_back(&back);
         const bool quiet = (double)(reach->reached - before) <= IDLE_SHARE * (double)before;
         idle = back.round >= ROUNDS_FULL && quiet ? idle + 1 : 0;
         /* When nothing at all was new, nothing will be. */
         if (back.round >= ROUNDS_FULL && reach->reached == before)
             break;
     }
-    done = done && spread_on(reach);
+    done = done && reach_spread_on(reach);
     array_free(back.seen);
     array_free(back.met);
     if (made && !done)

@@ -264,6 +264,113 @@ static void test_lamp_outside(void **state)
     }
 }
 
+/* Light that stays in its lamp is let out, while its back has the room before it: a box wound
+ * inward, one without a top under the ceiling, one of two materials; and a lamp that shines into
+ * its own case. */
+static void test_lamp_inward(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        TestRoom r = { 0 };
+        Warnings warnings = { 0 };
+        const Monitor monitor = { .user = &warnings, .warn = note };
+        const Vec3 lo = { 1.5, 1.5, 2.6 }, hi = { 2.5, 2.5, k == 1 ? 3 : 2.9 };
+        const uint32_t wall = room_material(&r, 0.5, 0), lamp = room_material(&r, 0, 1);
+        const int rest = BOX_ALL - BOX_Z0 - (k == 1 ? BOX_Z1 : 0);
+        room_box(&r, ORIGIN, vec3(4, 4, 3), BOX_ALL, true, wall, "");
+        room_box(&r, lo, hi, BOX_Z0, true, lamp, "lamp-");
+        room_box(&r, lo, hi, rest, k < 3, k == 3 ? wall : k == 2 ? room_material(&r, 0, 2) : lamp,
+                 k == 3 ? "case-" : "lamp-");
+        find(&r, &(SidesOptions){ 0 }, NULL, 0, &monitor);
+        assert_int_equal(emitting_of(&r, "lamp-z0"), BACK);
+        assert_int_equal(sides_of(&r, "lamp-z0"), BACK);
+        assert_int_equal(r.report.lamps_turned, k == 3 ? 1 : k == 1 ? 5 : 6);
+        assert_int_equal(warnings.count, 1);
+        assert_string_equal(warnings.code, "lamp-turned");
+        assert_int_equal(sides_of(&r, "z0"), FRONT);
+        room_clear(&r);
+    }
+}
+
+/* Rooms whose walls shine stay as they are: nothing is behind them, or an eye is in them. */
+static void test_furnaces(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        TestRoom r = { 0 };
+        Warnings warnings = { 0 };
+        const Monitor monitor = { .user = &warnings, .warn = note };
+        const Vec3 eye = { 0.5, 0.5, 0.5 };
+        const uint32_t wall = room_material(&r, 0.5, 0), lamp = room_material(&r, 0.5, 1);
+        room_box(&r, ORIGIN, UNIT, k == 3 ? BOX_Z1 : BOX_ALL, true, lamp, "lamp-");
+        if (k == 1) /* a thing inside */
+            room_box(&r, vec3(0.4, 0.4, 0.4), vec3(0.6, 0.6, 0.6), BOX_ALL, false, wall, "");
+        if (k == 2) /* a world outside */
+            room_quad(&r, vec3(-50, -50, -1), vec3(99, 0, 0), vec3(0, 99, 0), wall, "ground");
+        if (k == 3) { /* shining ceilings of two rooms, one upon the other */
+            room_box(&r, ORIGIN, UNIT, BOX_ALL - BOX_Z1, true, wall, "");
+            room_box(&r, vec3(0, 0, 1), vec3(1, 1, 2), BOX_ALL - BOX_Z0, true, wall, "upper-");
+        }
+        const SidesOptions o = { .eye = &eye, .eye_count = k == 2 };
+        find(&r, &o, NULL, 0, &monitor);
+        assert_int_equal(emitting_of(&r, "lamp-z1"), FRONT);
+        assert_int_equal(r.report.lamps_turned, 0);
+        assert_int_equal(warnings.count, k == 2);
+        if (k == 2)
+            assert_string_equal(warnings.code, "dark-scene");
+        room_clear(&r);
+    }
+}
+
+/* Faces of a box lamp wound by chance: its light gets out all the same, all of it by one side. */
+static void test_lamp_flips(void **state)
+{
+    (void)state;
+    static const int flips[8] = { 1, 6, 11, 21, 31, 44, 52, 63 }; /* faces wound inward */
+    for (int k = 0; k < 8; k++) {
+        TestRoom r = { 0 };
+        const Vec3 lo = { 1.5, 1.5, 2.4 }, hi = { 2.5, 2.5, 2.7 };
+        const uint32_t lamp = room_material(&r, 0, 1);
+        room_box(&r, ORIGIN, vec3(4, 4, 3), BOX_ALL, true, room_material(&r, 0.5, 0), "");
+        room_box(&r, lo, hi, flips[k], true, lamp, "lamp-");
+        room_box(&r, lo, hi, BOX_ALL - flips[k], false, lamp, "lamp-");
+        find(&r, &(SidesOptions){ 0 }, NULL, 0, NULL);
+        for (uint32_t i = 0; i < r.surfaces->count; i++) {
+            SurfacePoint at;
+            if (r.emitting[i] == 0) {
+                assert_int_not_equal(r.sides[i], 0);
+                continue;
+            }
+            surfaces_point(r.surfaces, i, 0.3, 0.3, &at);
+            const Vec3 out = vec3_sub(at.point, vec3_lerp(lo, hi, 0.5));
+            assert_int_equal(r.emitting[i], vec3_dot(at.normal, out) > 0 ? FRONT : BACK);
+        }
+        room_clear(&r);
+    }
+}
+
+/* A light shut in a cupboard of a hall. */
+static void test_dark_scene(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        TestRoom r = { 0 };
+        Warnings warnings = { 0 };
+        const Monitor monitor = { .user = &warnings, .warn = note };
+        const uint32_t wall = room_material(&r, 0.5, 0);
+        const Vec3 eye = { 8, 8, 8 };
+        const Light light = { .kind = LIGHT_POINT, .position = { 1.5, 1.5, k == 0 ? 1.5 : 5 },
+                              .intensity = { 1, 1, 1 } };
+        room_box(&r, ORIGIN, vec3(10, 10, 10), BOX_ALL, true, wall, "");
+        room_box(&r, UNIT, vec3(2, 2, 2), BOX_ALL, false, wall, "c-");
+        find(&r, &(SidesOptions){ .eye = &eye, .eye_count = 1 }, &light, 1, &monitor);
+        assert_int_equal(warnings.count, k == 0);
+        if (k == 0)
+            assert_string_equal(warnings.code, "dark-scene");
+        room_clear(&r);
+    }
+}
+
 static void test_emits_both(void **state)
 {
     (void)state;
@@ -351,6 +458,8 @@ int main(void)
         cmocka_unit_test(test_box_lamp),       cmocka_unit_test(test_emits_both),
         cmocka_unit_test(test_double_plate),   cmocka_unit_test(test_threads),
         cmocka_unit_test(test_memory),         cmocka_unit_test(test_lamp_outside),
+        cmocka_unit_test(test_lamp_inward),    cmocka_unit_test(test_furnaces),
+        cmocka_unit_test(test_lamp_flips),     cmocka_unit_test(test_dark_scene),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
