@@ -46,8 +46,8 @@ static void warn_dark(const Reach *reach)
     }
     if (reach->reached > 0 && lit < DARK_SHARE * all)
         monitor_warn(reach->monitor, "dark-scene", "",
-                     "only %.2g %% of the scene's area is in reach of any light: a lamp may be shut "
-                     "in, or wound the wrong way round (--emit back)", 100 * lit / all);
+                     "only %.2g %% of the scene's area is in reach of any light: a lamp may be "
+                     "shut in, or wound the wrong way round (--emit back)", 100 * lit / all);
 }
 
 /* First what gives light: it is known then what that reaches; then the eyes. */
