@@ -3,6 +3,9 @@
 #ifndef RADIOSITY_INTERNAL_H
 #define RADIOSITY_INTERNAL_H
 
+#include <stdatomic.h>
+
+#include "radiosity/kept_rows.h"
 #include "radiosity/links.h"
 #include "radiosity/room.h"
 #include "radiosity/sides.h"
@@ -151,9 +154,10 @@ enum { MAKER_CHUNK = 64 };
 
 /* Rows of one chunk, packed one after the other. */
 typedef struct {
-    uint32_t *source;
-    float    *form_factor;
-    uint64_t  links;
+    uint32_t   *source;
+    float      *form_factor;
+    uint64_t    links, cast, clamped; /* cast, clamped: what was counted for it */
+    atomic_bool done;                 /* all of it is there, for whoever sees this set */
 } RowChunk;
 
 /* The chunk that a thread is at. */
@@ -162,6 +166,7 @@ typedef struct {
     float    *form_factor;
     size_t    source_capacity, factor_capacity;
     uint64_t  links, row;  /* row: where the current one begins */
+    uint64_t  cast, clamped; /* counts of the thread when the chunk began */
     Error     error;
 } RowBuffer;
 
@@ -178,7 +183,20 @@ typedef struct {
     float      *escape;    /* [count] */
     double     *area;      /* [count] */
     double      begun;     /* clock */
+    KeptRows   *kept;      /* the caller's, or NULL */
+    uint64_t    taken_cast, taken_clamped; /* of chunks that were taken over from it */
 } RowMaker;
+
+/* Rows for the caller to save, and rows it had saved (kept_rows.h). */
+struct KeptRows {
+    const RowMaker *maker;  /* casting them; NULL: none under way */
+    /* loaded, for the next maker */
+    uint32_t  count;        /* rows; 0: nothing was loaded */
+    RowChunk *chunk;        /* [chunks of count rows] */
+    uint32_t *length;       /* [count] */
+    float    *escape;       /* [count] */
+    double   *area;         /* [count] */
+};
 
 /* On failure to be cleared as well. */
 bool row_maker_create(RowMaker *maker, const Room *room, const LinksOptions *options, Error *err);
@@ -189,6 +207,8 @@ void row_maker_add(RowMaker *maker, unsigned worker, uint32_t source, float form
 void row_maker_end(RowMaker *maker, unsigned worker, uint32_t row, float escape, double area);
 /* Both, by rays. */
 void row_maker_cast(RowMaker *maker, uint32_t row, unsigned worker);
+/* Whether the chunk that begins at row `begin` was made by an earlier run. */
+bool row_maker_has(const RowMaker *maker, uint32_t begin);
 /* The chunk that begins at row `begin` is complete. */
 void row_maker_keep(RowMaker *maker, uint32_t begin, unsigned worker);
 /* All chunks as links, once; they are gone afterwards. */

@@ -17,6 +17,8 @@ static const double PILOT_MARGIN = 1.1;
 static void cast_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
 {
     RowMaker *maker = context;
+    if (row_maker_has(maker, begin))
+        return;
     for (uint32_t i = begin; i < end; i++)
         row_maker_cast(maker, i, worker);
     row_maker_keep(maker, begin, worker);

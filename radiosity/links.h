@@ -26,6 +26,8 @@ typedef struct {
     uint32_t seed;
     unsigned threads;
     uint64_t max_bytes;   /* refuse with ERROR_MEMORY before more than this is taken; 0: no limit */
+    struct KeptRows *kept; /* rows of an earlier run to go on from, and where finished ones can be
+                              saved from (radiosity/kept_rows.h); NULL: none */
 } LinksOptions;
 
 typedef struct {

@@ -34,6 +34,8 @@ static bool is_divided(const Refining *r, uint32_t old)
 static void cast_parts(void *context, uint32_t begin, uint32_t end, unsigned worker)
 {
     Refining *r = context;
+    if (row_maker_has(&r->maker, begin))
+        return;
     for (uint32_t i = begin; i < end; i++)
         if (is_divided(r, r->parent[i]))
             row_maker_cast(&r->maker, i, worker);

@@ -18,6 +18,26 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+/* Goes on with what an earlier run had saved. */
+static void take_kept(RowMaker *m, KeptRows *kept)
+{
+    assert(kept->maker == NULL);
+    m->kept = kept;
+    kept->maker = m;
+    if (kept->count != m->count)
+        return;
+    for (uint32_t k = 0; k < m->chunks; k++) {
+        m->taken_cast += kept->chunk[k].cast;
+        m->taken_clamped += kept->chunk[k].clamped;
+        m->chunk[k] = kept->chunk[k];
+        kept->chunk[k] = (RowChunk){ 0 };
+    }
+    memcpy(m->length, kept->length, m->count * sizeof *m->length);
+    memcpy(m->escape, kept->escape, m->count * sizeof *m->escape);
+    memcpy(m->area, kept->area, m->count * sizeof *m->area);
+    kept_rows_clear(kept);
+}
+
 bool row_maker_create(RowMaker *m, const Room *room, const LinksOptions *options, Error *err)
 {
     const uint32_t rays = options->rays > 0 ? options->rays : DEFAULT_RAYS;
@@ -36,11 +56,15 @@ bool row_maker_create(RowMaker *m, const Room *room, const LinksOptions *options
     const uint32_t from_lamps = m->lamps.count > 0 ? lamp_rays : 0;
     for (unsigned k = 0; k < m->threads; k++)
         row_cast_create(&m->row[k], rays, from_lamps, err);
+    if (!error_is_set(err) && options->kept != NULL)
+        take_kept(m, options->kept);
     return !error_is_set(err);
 }
 
 void row_maker_clear(RowMaker *m)
 {
+    if (m->kept != NULL)
+        m->kept->maker = NULL;
     for (unsigned k = 0; k < m->threads && m->row != NULL; k++)
         row_cast_clear(&m->row[k]);
     for (unsigned k = 0; k < m->threads && m->buffer != NULL; k++) {
@@ -104,7 +128,17 @@ void row_maker_keep(RowMaker *m, uint32_t begin, unsigned worker)
         memcpy(chunk->source, b->source, b->links * sizeof *b->source);
         memcpy(chunk->form_factor, b->form_factor, b->links * sizeof *b->form_factor);
     }
+    chunk->cast = m->row[worker].cast - b->cast;
+    chunk->clamped = m->row[worker].clamped - b->clamped;
+    b->cast = m->row[worker].cast;
+    b->clamped = m->row[worker].clamped;
     b->links = b->row = 0;
+    atomic_store_explicit(&chunk->done, !error_is_set(&b->error), memory_order_release);
+}
+
+bool row_maker_has(const RowMaker *m, uint32_t begin)
+{
+    return atomic_load_explicit(&m->chunk[begin / MAKER_CHUNK].done, memory_order_acquire);
 }
 
 /* Copies the chunks' rows one after the other, giving back each chunk as soon as it is copied. */
@@ -120,6 +154,7 @@ static void join_chunks(RowMaker *m, Links *links)
         }
         at += chunk->links;
         chunk->links = 0;
+        chunk->done = false;
         chunk->source = array_free(chunk->source);
         chunk->form_factor = array_free(chunk->form_factor);
     }
@@ -128,6 +163,8 @@ static void join_chunks(RowMaker *m, Links *links)
 Links *row_maker_gather(RowMaker *m, Error *err)
 {
     uint64_t nonzeros = 0;
+    if (m->kept != NULL)
+        m->kept->maker = NULL; /* its chunks go */
     for (unsigned k = 0; k < m->threads; k++)
         if (error_is_set(&m->buffer[k].error)) {
             *err = m->buffer[k].error;
@@ -145,6 +182,8 @@ Links *row_maker_gather(RowMaker *m, Error *err)
         links->area[i] = m->area[i];
         links->lamp[i] = m->row[0].lamp_rays > 0 && m->lamps.probability[i] > 0;
     }
+    links->rays = m->taken_cast;
+    links->clamped = m->taken_clamped;
     for (unsigned k = 0; k < m->threads; k++) {
         links->rays += m->row[k].cast;
         links->clamped += m->row[k].clamped;
