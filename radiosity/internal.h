@@ -7,6 +7,7 @@
 
 #include "radiosity/kept_rows.h"
 #include "radiosity/links.h"
+#include "radiosity/links_store.h"
 #include "radiosity/room.h"
 #include "radiosity/sides.h"
 #include "radiosity/solve.h"
@@ -111,16 +112,27 @@ typedef struct {
     uint32_t   good, bad;   /* rays that met a side in use or nothing, and the others */
 } CastPosition;
 
-/* What one thread needs to cast rows, and the row it made last. */
+/* A sample between a patch and a lamp: what it carries when nothing is in the way. */
+typedef struct {
+    uint32_t lamp;
+    double   share;
+} LampSample;
+
+/* What a row is cast with, and the row itself. */
 typedef struct {
     uint32_t      rays, lamp_rays, positions;
     CastPosition *position;    /* [positions] */
     uint32_t     *valid;       /* [valid_count]  positions that are not void */
     uint32_t      valid_count;
-    Ray          *ray;         /* [max(rays, lamp_rays)] */
+    Ray          *ray;         /* [rays] */
     Hit          *hit;         /* [rays] */
     RayEnd       *end;         /* [rays] */
+    uint32_t      good_rays;   /* from positions that are valid */
+    LampSample   *sample;      /* [lamp_rays]  those with a ray, `sample_count` of them */
+    Ray          *lamp_ray;    /* [lamp_rays] */
     bool         *blocked;     /* [lamp_rays] */
+    uint32_t      sample_count;
+    double        sample_scale;/* on all shares */
     double       *cosine;      /* [rays]  at the patch */
     float        *value;       /* [rays + lamp_rays]  share of each ray that arrived */
     uint64_t     *key, *other; /* [rays + lamp_rays]  patch and number of the ray; for sorting */
@@ -134,18 +146,49 @@ typedef struct {
 } RowCast;
 
 bool row_cast_create(RowCast *row, uint32_t rays, uint32_t lamp_rays, Error *err);
+/* With room for the rays of several patches, one after the other, in all arrays of rays. */
+bool row_cast_allocate(RowCast *row, uint32_t rays, uint32_t lamp_rays, uint32_t patches,
+                       Error *err);
 void row_cast_clear(RowCast *row);
 /* Casts a patch's hemisphere rays and tells which of its positions lie outside solids (`valid`, the
  * others have good 0); returns how many rays count. */
 uint32_t row_cast_positions(RowCast *row, const Room *room, uint32_t patch, uint32_t seed);
-/* Fills the row of one patch. Same numbers whichever thread asks. */
-void row_cast_run(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch,
+
+/* The same in steps, so that the rays of many patches are traced together: make the rays, let them
+ * find their hits, judge the positions, make the rays to lamps, let them be found blocked or not,
+ * finish. */
+void row_cast_rays(RowCast *row, const Room *room, uint32_t patch, uint32_t seed);
+void row_cast_judge(RowCast *row, const Room *room);
+void row_cast_aim(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch,
                   uint32_t seed);
+void row_cast_finish(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch);
+/* Adds the shares of rays to lamps that nothing blocked. */
+void row_cast_lamps(RowCast *row);
 /* A share that arrived at a patch. */
 void row_cast_add(RowCast *row, uint32_t patch, double share);
-/* Adds what the lamps' own samples find, beside `hemisphere_rays` rays of the patch itself. */
-void row_cast_lamps(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch,
-                    uint32_t seed, double hemisphere_rays);
+
+/* --- casting rows together -------------------------------------------------------------------- */
+
+/* Most patches whose rays are traced together. */
+enum { TILE_PATCHES = 64 };
+
+/* What one thread casts rows with: those of a tile share what only the last step needs. */
+typedef struct {
+    RowCast  row[TILE_PATCHES];
+    uint32_t patch[TILE_PATCHES];
+    uint32_t most, count;      /* patches that fit; in the tile now */
+    RowCast  all;              /* the arrays that the rows are slices of */
+    uint64_t cast, clamped;
+} RowTile;
+
+bool row_tile_create(RowTile *tile, uint32_t rays, uint32_t lamp_rays, Error *err);
+void row_tile_clear(RowTile *tile);
+/* Casts all rays of up to `most` patches. Same numbers whichever thread asks, and whatever patches
+ * are asked for beside. */
+void row_tile_cast(RowTile *tile, const Room *room, const LampTable *lamps, const uint32_t *patch,
+                   uint32_t count, uint32_t seed);
+/* The finished row of patch[k]; it holds until the next one is asked for. */
+const RowCast *row_tile_row(RowTile *tile, const Room *room, const LampTable *lamps, uint32_t k);
 
 /* --- rows in parallel ------------------------------------------------------------------------- */
 
@@ -175,7 +218,7 @@ typedef struct {
     LampTable   lamps;
     uint32_t    seed;
     unsigned    threads;
-    RowCast    *row;       /* [threads] */
+    RowTile    *tile;      /* [threads] */
     RowBuffer  *buffer;    /* [threads] */
     RowChunk   *chunk;     /* [chunks] */
     uint32_t    chunks, count;
@@ -205,8 +248,8 @@ void row_maker_clear(RowMaker *maker);
 void row_maker_add(RowMaker *maker, unsigned worker, uint32_t source, float form_factor);
 /* The current row is that of patch `row`, and complete. */
 void row_maker_end(RowMaker *maker, unsigned worker, uint32_t row, float escape, double area);
-/* Both, by rays. */
-void row_maker_cast(RowMaker *maker, uint32_t row, unsigned worker);
+/* Both, by rays, for rows that follow each other in the order of their making. */
+void row_maker_cast(RowMaker *maker, const uint32_t *row, uint32_t count, unsigned worker);
 /* Whether the chunk that begins at row `begin` was made by an earlier run. */
 bool row_maker_has(const RowMaker *maker, uint32_t begin);
 /* The chunk that begins at row `begin` is complete. */
@@ -215,19 +258,6 @@ void row_maker_keep(RowMaker *maker, uint32_t begin, unsigned worker);
 Links *row_maker_gather(RowMaker *maker, Error *err);
 
 /* --- links ------------------------------------------------------------------------------------ */
-
-/* The links by source: column j of F. */
-typedef struct {
-    uint64_t *first;        /* [count + 1] */
-    uint32_t *receiver;     /* [first[count]]  rising within a column */
-    float    *form_factor;  /* [first[count]]  from receiver to the column's source */
-} LinkColumns;
-
-bool link_columns_create(const Links *links, LinkColumns *columns, Error *err);
-void link_columns_clear(LinkColumns *columns);
-
-/* Rows without content: first, escape and area are zero; room for `nonzeros` links. */
-Links *links_allocate(uint32_t count, uint64_t nonzeros, Error *err);
 
 /* Both estimates of each pair made one: form_factor of the result holds S_ij = A_i F_ij, symmetric
  * bit for bit. Pairs nobody sees, or with a patch that is hidden or sees nothing, are left out. */

@@ -17,10 +17,12 @@ static const double PILOT_MARGIN = 1.1;
 static void cast_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
 {
     RowMaker *maker = context;
+    uint32_t row[MAKER_CHUNK];
     if (row_maker_has(maker, begin))
         return;
     for (uint32_t i = begin; i < end; i++)
-        row_maker_cast(maker, i, worker);
+        row[i - begin] = i;
+    row_maker_cast(maker, row, end - begin, worker);
     row_maker_keep(maker, begin, worker);
 }
 
@@ -35,25 +37,25 @@ static double bytes_needed(const RowMaker *m, double links_per_row)
 
 static bool check_memory(RowMaker *m, uint64_t max_bytes, Error *err)
 {
-    RowCast *row = &m->row[0];
+    RowTile *tile = &m->tile[0];
     if (max_bytes == 0 || m->count == 0)
         return true;
-    if (bytes_needed(m, (double)row->rays + row->lamp_rays) <= (double)max_bytes)
+    if (bytes_needed(m, (double)tile->all.rays + tile->all.lamp_rays) <= (double)max_bytes)
         return true; /* even if no two rays met the same patch */
     const uint32_t pilots = m->count < PILOT_ROWS ? m->count : PILOT_ROWS;
     uint64_t links = 0;
     for (uint32_t k = 0; k < pilots; k++) {
-        row_cast_run(row, m->room, &m->lamps, (uint32_t)((uint64_t)k * m->count / pilots),
-                     m->seed);
-        links += row->links;
+        const uint32_t patch = (uint32_t)((uint64_t)k * m->count / pilots);
+        row_tile_cast(tile, m->room, &m->lamps, &patch, 1, m->seed);
+        links += row_tile_row(tile, m->room, &m->lamps, 0)->links;
     }
     const double needed = PILOT_MARGIN * bytes_needed(m, (double)links / pilots);
-    row->cast = row->clamped = 0;
+    tile->cast = tile->clamped = 0;
     if (needed <= (double)max_bytes)
         return true;
     return error_set(err, ERROR_MEMORY,
                      "form factors of %u patches with %u rays each need about %.0f MiB, %.0f MiB "
-                     "are allowed: use fewer rays or larger patches", m->count, row->rays,
+                     "are allowed: use fewer rays or larger patches", m->count, tile->all.rays,
                      ceil(needed / 0x1p20), (double)max_bytes / 0x1p20);
 }
 

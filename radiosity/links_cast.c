@@ -11,18 +11,26 @@
 
 bool row_cast_create(RowCast *row, uint32_t rays, uint32_t lamp_rays, Error *err)
 {
-    assert(rays > 0);
-    const size_t all = (size_t)rays + lamp_rays, most = rays > lamp_rays ? rays : lamp_rays;
+    return row_cast_allocate(row, rays, lamp_rays, 1, err);
+}
+
+bool row_cast_allocate(RowCast *row, uint32_t rays, uint32_t lamp_rays, uint32_t patches,
+                       Error *err)
+{
+    assert(rays > 0 && patches > 0);
+    const size_t all = (size_t)rays + lamp_rays, n = patches;
     static const char what[] = "the rays of a patch";
     *row = (RowCast){ .rays = rays, .lamp_rays = lamp_rays,
                       .positions = (rays - 1) / RAYS_PER_POSITION + 1 };
-    row->position = array_create(row->positions, sizeof *row->position, what, err);
-    row->ray = array_create(most, sizeof *row->ray, what, err);
-    row->valid = array_create(row->positions, sizeof *row->valid, what, err);
-    row->end = array_create(rays, sizeof *row->end, what, err);
-    row->hit = array_create(rays, sizeof *row->hit, what, err);
-    row->blocked = array_create(lamp_rays, sizeof *row->blocked, what, err);
-    row->cosine = array_create(rays, sizeof *row->cosine, what, err);
+    row->position = array_create(n * row->positions, sizeof *row->position, what, err);
+    row->valid = array_create(n * row->positions, sizeof *row->valid, what, err);
+    row->ray = array_create(n * rays, sizeof *row->ray, what, err);
+    row->end = array_create(n * rays, sizeof *row->end, what, err);
+    row->hit = array_create(n * rays, sizeof *row->hit, what, err);
+    row->cosine = array_create(n * rays, sizeof *row->cosine, what, err);
+    row->sample = array_create(n * lamp_rays, sizeof *row->sample, what, err);
+    row->lamp_ray = array_create(n * lamp_rays, sizeof *row->lamp_ray, what, err);
+    row->blocked = array_create(n * lamp_rays, sizeof *row->blocked, what, err);
     row->value = array_create(all, sizeof *row->value, what, err);
     row->key = array_create(all, sizeof *row->key, what, err);
     row->other = array_create(all, sizeof *row->other, what, err);
@@ -38,6 +46,8 @@ void row_cast_clear(RowCast *row)
     array_free(row->end);
     array_free(row->ray);
     array_free(row->hit);
+    array_free(row->sample);
+    array_free(row->lamp_ray);
     array_free(row->blocked);
     array_free(row->cosine);
     array_free(row->value);
@@ -79,7 +89,7 @@ static Vec3 ray_direction(const Ray *ray)
  * position half or more of whose rays meet sides that take no part lies inside a solid: one ray
  * alone may have slipped through a crack. Half, not all: where solids run into each other, some
  * rays from inside the one end on the hidden part of the other, which does take part elsewhere. */
-static uint32_t judge_positions(RowCast *row, const Room *room)
+void row_cast_judge(RowCast *row, const Room *room)
 {
     for (uint32_t k = 0; k < row->rays; k++) {
         CastPosition *p = &row->position[k % row->positions];
@@ -96,16 +106,14 @@ static uint32_t judge_positions(RowCast *row, const Room *room)
         else
             end->patch = PATCH_NONE;
     }
-    uint32_t rays = 0;
-    row->valid_count = 0;
+    row->good_rays = row->valid_count = 0;
     for (uint32_t p = 0; p < row->positions; p++)
         if (row->position[p].bad < row->position[p].good) {
             row->valid[row->valid_count++] = p;
-            rays += row->position[p].good;
+            row->good_rays += row->position[p].good;
         } else {
             row->position[p].good = 0;
         }
-    return rays;
 }
 
 /* How much a ray of the hemisphere counts where the lamp's own samples could have found the same:
@@ -210,27 +218,29 @@ static void gather_row(RowCast *row)
     }
 }
 
-uint32_t row_cast_positions(RowCast *row, const Room *room, uint32_t patch, uint32_t seed)
+void row_cast_rays(RowCast *row, const Room *room, uint32_t patch, uint32_t seed)
 {
     assert(patch < room->patches->count && row->rays > 0);
     make_rays(row, room, patch, sampling_seed(seed, room_patch_key(room, patch), SEED_ROWS, 0));
-    bvh_nearest_many(room->bvh, row->ray, row->hit, row->rays);
     row->cast += row->rays;
-    return judge_positions(row, room);
 }
 
-void row_cast_run(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch,
-                  uint32_t seed)
+uint32_t row_cast_positions(RowCast *row, const Room *room, uint32_t patch, uint32_t seed)
+{
+    row_cast_rays(row, room, patch, seed);
+    bvh_nearest_many(room->bvh, row->ray, row->hit, row->rays);
+    row_cast_judge(row, room);
+    return row->good_rays;
+}
+
+void row_cast_finish(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch)
 {
     row->keys = 0;
     row->escape = 0;
-    const uint32_t rays = row_cast_positions(row, room, patch, seed);
     row->area = room->patches->area[patch] * visible_share(row);
-    if (rays > 0) {
-        add_hemisphere(row, room, lamps, rays);
-        if (lamps->count > 0 && row->lamp_rays > 0)
-            row_cast_lamps(row, room, lamps, patch,
-                           sampling_seed(seed, room_patch_key(room, patch), SEED_LAMPS, 0), rays);
+    if (row->good_rays > 0) {
+        add_hemisphere(row, room, lamps, row->good_rays);
+        row_cast_lamps(row);
     }
     row->escape = fmin(row->escape, 1);
     gather_row(row);

@@ -124,15 +124,9 @@ typedef struct {
     double           rays, lamp_rays; /* of the patch's hemisphere; to lamps */
 } LampAim;
 
-typedef struct {
-    uint32_t lamp;
-    double   share;  /* what it carries when nothing is in the way; 0: turned away, no ray */
-    Ray      ray;
-} LampSample;
-
-/* One sample with its visibility ray. u chooses the lamp and, by what the choice leaves of it, the
- * place along it; v the place across. */
-static LampSample aim(const LampAim *a, const PatchPoint *from, double u, double v)
+/* One sample with its visibility ray; share 0: turned away, no ray. u chooses the lamp and, by what
+ * the choice leaves of it, the place along it; v the place across. */
+static LampSample aim(const LampAim *a, const PatchPoint *from, double u, double v, Ray *ray)
 {
     const Room *room = a->room;
     PatchPoint to;
@@ -152,26 +146,27 @@ static LampSample aim(const LampAim *a, const PatchPoint *from, double u, double
     const double by_rays = a->rays * own;
     const double by_lamps = a->lamp_rays * density_at(room, a->lamps, sample.lamp, to.weight,
                                                       distance, there / distance);
-    sample.ray = ray_between(p, from->point.normal, q, to.point.normal, room->offset);
+    *ray = ray_between(p, from->point.normal, q, to.point.normal, room->offset);
     sample.share = own * by_lamps / (by_rays * by_rays + by_lamps * by_lamps);
     return sample;
 }
 
 /* Place and lamp are the four coordinates of one net, so that they are spread together. Only where
  * a part of the patch is hidden, the places are those found to be outside solids. */
-void row_cast_lamps(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch,
-                    uint32_t seed, double hemisphere_rays)
+void row_cast_aim(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch,
+                  uint32_t seed)
 {
-    assert(row->valid_count > 0 && lamps->count > 0);
-    const LampAim common = { room, lamps, hemisphere_rays, row->lamp_rays };
+    row->sample_count = 0;
+    if (row->good_rays == 0 || lamps->count == 0)
+        return;
+    const LampAim common = { room, lamps, row->good_rays, row->lamp_rays };
     const bool whole = row->valid_count == row->positions;
-    const uint32_t first = row->keys;
-    uint32_t aimed = 0;
+    const uint32_t own_seed = sampling_seed(seed, room_patch_key(room, patch), SEED_LAMPS, 0);
     double weights = 0;
     for (uint32_t m = 0; m < row->lamp_rays; m++) {
         float x[4];
         PatchPoint from;
-        sampling_sobol4(m, seed, x);
+        sampling_sobol4(m, own_seed, x);
         if (whole) {
             patches_point(room->patches, room->surfaces, patch, x[0], x[1], &from);
             visible_move(room, &from);
@@ -179,15 +174,18 @@ void row_cast_lamps(RowCast *row, const Room *room, const LampTable *lamps, uint
             from = row->position[row->valid[(uint64_t)m * row->valid_count / row->lamp_rays]].at;
         }
         weights += from.weight;
-        const LampSample sample = aim(&common, &from, x[2], x[3]);
-        if (sample.share > 0) {
-            row_cast_add(row, sample.lamp, sample.share * from.weight);
-            row->ray[aimed++] = sample.ray;
-        }
+        LampSample sample = aim(&common, &from, x[2], x[3], &row->lamp_ray[row->sample_count]);
+        sample.share *= from.weight;
+        if (sample.share > 0)
+            row->sample[row->sample_count++] = sample;
     }
-    bvh_blocked_many(room->bvh, row->ray, row->blocked, aimed);
-    row->cast += aimed;
-    const double scale = weights > 0 ? row->lamp_rays / weights : 0;
-    for (uint32_t k = 0; k < aimed; k++)
-        row->value[first + k] = row->blocked[k] ? 0 : (float)(row->value[first + k] * scale);
+    row->cast += row->sample_count;
+    row->sample_scale = weights > 0 ? row->lamp_rays / weights : 0;
+}
+
+void row_cast_lamps(RowCast *row)
+{
+    for (uint32_t k = 0; k < row->sample_count; k++)
+        if (!row->blocked[k])
+            row_cast_add(row, row->sample[k].lamp, row->sample[k].share * row->sample_scale);
 }

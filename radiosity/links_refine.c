@@ -34,13 +34,15 @@ static bool is_divided(const Refining *r, uint32_t old)
 static void cast_parts(void *context, uint32_t begin, uint32_t end, unsigned worker)
 {
     Refining *r = context;
+    uint32_t row[MAKER_CHUNK], rows = 0;
     if (row_maker_has(&r->maker, begin))
         return;
     for (uint32_t i = begin; i < end; i++)
         if (is_divided(r, r->parent[i]))
-            row_maker_cast(&r->maker, i, worker);
+            row[rows++] = i;
         else
-            row_maker_end(&r->maker, worker, i, 0, 0);
+            row_maker_end(&r->maker, worker, i, 0, 0); /* empty, so its place does not matter */
+    row_maker_cast(&r->maker, row, rows, worker);
     row_maker_keep(&r->maker, begin, worker);
 }
 
@@ -79,7 +81,7 @@ static double sight(Refining *r, uint32_t from, uint32_t to, unsigned worker)
             continue;
         const Ray ray = ray_between(p.point.point, p.point.normal, q.point.point, q.point.normal,
                                     room->offset);
-        r->maker.row[worker].cast++;
+        r->maker.tile[worker].cast++;
         if (!bvh_blocked(room->bvh, &ray))
             sum += here * there / (M_PI * square * square) * p.weight * q.weight;
     }
@@ -133,7 +135,7 @@ static void share_row(Refining *r, uint32_t i, unsigned worker)
             row_maker_add(&r->maker, worker, r->first[p], old->form_factor[k]);
         } else if (!share_factor(r, i, p, old->form_factor[k], worker)) {
             b->links = b->row;
-            row_maker_cast(&r->maker, i, worker);
+            row_maker_cast(&r->maker, &i, 1, worker);
             return;
         }
     }

@@ -45,7 +45,7 @@ bool row_maker_create(RowMaker *m, const Room *room, const LinksOptions *options
     *m = (RowMaker){ .room = room, .seed = options->seed, .count = room->patches->count,
                      .threads = parallel_threads(options->threads), .begun = now() };
     m->chunks = (m->count + MAKER_CHUNK - 1) / MAKER_CHUNK;
-    m->row = array_create(m->threads, sizeof *m->row, what, err);
+    m->tile = array_create(m->threads, sizeof *m->tile, what, err);
     m->buffer = array_create(m->threads, sizeof *m->buffer, what, err);
     m->chunk = array_create(m->chunks, sizeof *m->chunk, what, err);
     m->length = array_create(m->count, sizeof *m->length, what, err);
@@ -55,7 +55,7 @@ bool row_maker_create(RowMaker *m, const Room *room, const LinksOptions *options
         return false;
     const uint32_t from_lamps = m->lamps.count > 0 ? lamp_rays : 0;
     for (unsigned k = 0; k < m->threads; k++)
-        row_cast_create(&m->row[k], rays, from_lamps, err);
+        row_tile_create(&m->tile[k], rays, from_lamps, err);
     if (!error_is_set(err) && options->kept != NULL)
         take_kept(m, options->kept);
     return !error_is_set(err);
@@ -65,8 +65,8 @@ void row_maker_clear(RowMaker *m)
 {
     if (m->kept != NULL)
         m->kept->maker = NULL;
-    for (unsigned k = 0; k < m->threads && m->row != NULL; k++)
-        row_cast_clear(&m->row[k]);
+    for (unsigned k = 0; k < m->threads && m->tile != NULL; k++)
+        row_tile_clear(&m->tile[k]);
     for (unsigned k = 0; k < m->threads && m->buffer != NULL; k++) {
         array_free(m->buffer[k].source);
         array_free(m->buffer[k].form_factor);
@@ -75,7 +75,7 @@ void row_maker_clear(RowMaker *m)
         array_free(m->chunk[k].source);
         array_free(m->chunk[k].form_factor);
     }
-    array_free(m->row);
+    array_free(m->tile);
     array_free(m->buffer);
     array_free(m->chunk);
     array_free(m->length);
@@ -107,13 +107,20 @@ void row_maker_end(RowMaker *m, unsigned worker, uint32_t row, float escape, dou
     b->row = b->links;
 }
 
-void row_maker_cast(RowMaker *m, uint32_t row, unsigned worker)
+void row_maker_cast(RowMaker *m, const uint32_t *row, uint32_t count, unsigned worker)
 {
-    RowCast *cast = &m->row[worker];
-    row_cast_run(cast, m->room, &m->lamps, row, m->seed);
-    for (uint32_t k = 0; k < cast->links; k++)
-        row_maker_add(m, worker, cast->source[k], cast->form_factor[k]);
-    row_maker_end(m, worker, row, (float)cast->escape, cast->area);
+    RowTile *tile = &m->tile[worker];
+    for (uint32_t done = 0; done < count; done += tile->count) {
+        const uint32_t left = count - done;
+        row_tile_cast(tile, m->room, &m->lamps, &row[done], left < tile->most ? left : tile->most,
+                      m->seed);
+        for (uint32_t k = 0; k < tile->count; k++) {
+            const RowCast *cast = row_tile_row(tile, m->room, &m->lamps, k);
+            for (uint32_t i = 0; i < cast->links; i++)
+                row_maker_add(m, worker, cast->source[i], cast->form_factor[i]);
+            row_maker_end(m, worker, row[done + k], (float)cast->escape, cast->area);
+        }
+    }
 }
 
 void row_maker_keep(RowMaker *m, uint32_t begin, unsigned worker)
@@ -128,10 +135,10 @@ void row_maker_keep(RowMaker *m, uint32_t begin, unsigned worker)
         memcpy(chunk->source, b->source, b->links * sizeof *b->source);
         memcpy(chunk->form_factor, b->form_factor, b->links * sizeof *b->form_factor);
     }
-    chunk->cast = m->row[worker].cast - b->cast;
-    chunk->clamped = m->row[worker].clamped - b->clamped;
-    b->cast = m->row[worker].cast;
-    b->clamped = m->row[worker].clamped;
+    chunk->cast = m->tile[worker].cast - b->cast;
+    chunk->clamped = m->tile[worker].clamped - b->clamped;
+    b->cast = m->tile[worker].cast;
+    b->clamped = m->tile[worker].clamped;
     b->links = b->row = 0;
     atomic_store_explicit(&chunk->done, !error_is_set(&b->error), memory_order_release);
 }
@@ -180,13 +187,13 @@ Links *row_maker_gather(RowMaker *m, Error *err)
         links->first[i + 1] = links->first[i] + m->length[i];
         links->escape[i] = m->escape[i];
         links->area[i] = m->area[i];
-        links->lamp[i] = m->row[0].lamp_rays > 0 && m->lamps.probability[i] > 0;
+        links->lamp[i] = m->tile[0].all.lamp_rays > 0 && m->lamps.probability[i] > 0;
     }
     links->rays = m->taken_cast;
     links->clamped = m->taken_clamped;
     for (unsigned k = 0; k < m->threads; k++) {
-        links->rays += m->row[k].cast;
-        links->clamped += m->row[k].clamped;
+        links->rays += m->tile[k].cast;
+        links->clamped += m->tile[k].clamped;
     }
     assert(links->first[m->count] == nonzeros);
     links->seconds = now() - m->begun;
