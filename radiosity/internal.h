@@ -7,7 +7,6 @@
 
 #include "radiosity/kept_rows.h"
 #include "radiosity/links.h"
-#include "radiosity/links_store.h"
 #include "radiosity/room.h"
 #include "radiosity/sides.h"
 #include "radiosity/solve.h"
@@ -258,6 +257,19 @@ void row_maker_keep(RowMaker *maker, uint32_t begin, unsigned worker);
 Links *row_maker_gather(RowMaker *maker, Error *err);
 
 /* --- links ------------------------------------------------------------------------------------ */
+
+/* The links by source: column j of F. */
+typedef struct {
+    uint64_t *first;        /* [count + 1] */
+    uint32_t *receiver;     /* [first[count]]  rising within a column */
+    float    *form_factor;  /* [first[count]]  from receiver to the column's source */
+} LinkColumns;
+
+bool link_columns_create(const Links *links, LinkColumns *columns, Error *err);
+void link_columns_clear(LinkColumns *columns);
+
+/* Rows without content: first, escape and area are zero; room for `nonzeros` links. */
+Links *links_allocate(uint32_t count, uint64_t nonzeros, Error *err);
 
 /* Both estimates of each pair made one: form_factor of the result holds S_ij = A_i F_ij, symmetric
  * bit for bit. Pairs nobody sees, or with a patch that is hidden or sees nothing, are left out. */
