@@ -23,8 +23,9 @@ typedef struct {
     uint32_t            max_iterations; /* UINT32_MAX: no limit */
     const SolveOptions *options;
     const Solution     *solution;       /* being made */
-    double              begin;          /* seconds of the clock at the start */
-    double              darkest;        /* 1 - largest rho */
+    double             *begin;          /* seconds of the clock at the start, traces left out */
+    double              contraction;    /* q of solve.h; NAN: not asked for */
+    double             *shown, *after;  /* [count * bands]  of a trace: an iterate, the next one */
     double             *source;         /* [count * bands]  E + rho H0 */
     double             *power;          /* [bands]  sum of A (E + rho H0) */
     double             *chunk_sum;      /* [chunks * bands]  scratch of solve_apply */
@@ -49,13 +50,22 @@ typedef struct {
 } SolveStall;
 bool solve_stalled(SolveStall *stall, double residual);
 
-/* Tells how much light is still missing; true when the caller wants to stop. */
-bool solve_report(const SolveSystem *system, double left);
+/* What an iteration starts from, into radiosity [count * bands]: the caller's, or `otherwise`. */
+void solve_start(const SolveSystem *system, const double *otherwise, double *radiosity);
+
+/* Makes the radiosity that a solver has got to, into out [count * bands]. */
+typedef void (*SolveShow)(void *context, double *out);
+
+/* Tells how much light is still missing after work that read the links `passes` times. `show` is
+ * asked only when someone wants to see; NULL: it is in the solution. True when the caller wants to
+ * stop. */
+bool solve_report(const SolveSystem *system, double left, double passes, SolveShow show,
+                  void *context);
 
 /* Each leaves radiosity, iterations and unshot in *solution. */
 bool solve_jacobi(const SolveSystem *system, Solution *solution, Error *err);
 bool solve_gauss_seidel(const SolveSystem *system, Solution *solution, Error *err);
-bool solve_progressive(const SolveSystem *system, bool ambient, Solution *solution, Error *err);
+bool solve_progressive(const SolveSystem *system, Solution *solution, Error *err);
 
 /* --- rays in a room --------------------------------------------------------------------------- */
 

@@ -157,19 +157,38 @@ static double clock_seconds(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static void trace_step(const SolveSystem *system, double left)
+static double error_bound(const SolveSystem *system, double residual)
 {
-    const SolveStep step = { .step = system->solution->iterations,
-                             .seconds = clock_seconds() - system->begin, .residual = left,
-                             .unshot = system->solution->unshot,
-                             .error_bound = left / system->darkest };
-    system->options->trace(system->options->trace_user, &step);
+    if (residual == 0)
+        return 0;
+    return system->contraction < 1 ? residual / (1 - system->contraction) : INFINITY;
 }
 
-bool solve_report(const SolveSystem *system, double left)
+/* What solvers know of their residual while they run is an estimate for some, so it is measured
+ * anew; that bounds the error of what is shown. */
+static void trace_step(const SolveSystem *system, double passes, SolveShow show, void *context)
+{
+    const double now = clock_seconds();
+    const double *radiosity = system->solution->radiosity;
+    if (show != NULL) {
+        show(context, system->shown);
+        radiosity = system->shown;
+    }
+    const double residual = solve_apply(system, radiosity, system->after, NULL);
+    const SolveStep step = { .step = system->solution->iterations,
+                             .seconds = now - *system->begin, .residual = residual,
+                             .unshot = system->solution->unshot, .passes = passes,
+                             .error_bound = error_bound(system, residual),
+                             .radiosity = radiosity };
+    system->options->trace(system->options->trace_user, &step);
+    *system->begin += clock_seconds() - now;
+}
+
+bool solve_report(const SolveSystem *system, double left, double passes, SolveShow show,
+                  void *context)
 {
     if (system->options->trace != NULL)
-        trace_step(system, left);
+        trace_step(system, passes, show, context);
     /* Residuals fall geometrically, so progress is the share of decades that is done. */
     const double decades = log(fmax(system->tolerance, DBL_MIN));
     const double done = left > 0 && left < 1 ? log(left) / decades : left > 0 ? 0 : 1;
@@ -197,11 +216,57 @@ static bool check_problem(const Links *links, const SolveProblem *problem, Error
     return true;
 }
 
+/* q of solve.h: the largest column sum of rho F in the norm in which power adds up. */
+static double find_contraction(const SolveSystem *system, double *sum)
+{
+    const Links *links = system->links;
+    const unsigned bands = system->bands;
+    double q = 0;
+    for (uint32_t i = 0; i < links->count; i++) {
+        const double *rho = &system->problem->reflectance[(size_t)i * bands];
+        for (uint64_t k = links->first[i]; k < links->first[i + 1]; k++)
+            for (unsigned b = 0; b < bands; b++)
+                sum[(size_t)links->source[k] * bands + b] +=
+                    links->area[i] * links->form_factor[k] * rho[b];
+    }
+    /* A patch without visible area has no row: its own value is exact from the start. */
+    for (size_t k = 0; k < (size_t)links->count * bands; k++)
+        if (links->area[k / bands] > 0)
+            q = fmax(q, sum[k] / links->area[k / bands]);
+    return q;
+}
+
+static bool set_contraction(SolveSystem *system, Error *err)
+{
+    const size_t values = (size_t)system->links->count * system->bands;
+    system->contraction = NAN;
+    if (system->options->trace == NULL && !system->options->bound)
+        return true;
+    if (system->options->trace != NULL) {
+        system->shown = array_create(values, sizeof *system->shown, "a trace", err);
+        system->after = array_create(values, sizeof *system->after, "a trace", err);
+    }
+    double *sum = array_create(values, sizeof *sum, "a bound on the error", err);
+    if (sum == NULL)
+        return false;
+    system->contraction = find_contraction(system, sum);
+    array_free(sum);
+    return true;
+}
+
+void solve_start(const SolveSystem *system, const double *otherwise, double *radiosity)
+{
+    const double *start = system->options->start != NULL ? system->options->start : otherwise;
+    memcpy(radiosity, start, (size_t)system->links->count * system->bands * sizeof *radiosity);
+}
+
 static void system_clear(SolveSystem *system)
 {
     array_free(system->source);
     array_free(system->power);
     array_free(system->chunk_sum);
+    array_free(system->shown);
+    array_free(system->after);
 }
 
 static bool system_init(SolveSystem *system, const Links *links, const SolveProblem *problem,
@@ -210,8 +275,7 @@ static bool system_init(SolveSystem *system, const Links *links, const SolveProb
     const size_t bands = problem->bands, count = links->count;
     *system = (SolveSystem){
         .links = links, .problem = problem, .monitor = monitor, .bands = problem->bands,
-        .threads = options->threads, .options = options, .darkest = 1,
-        .begin = clock_seconds(),
+        .threads = options->threads, .options = options,
         .tolerance = options->tolerance > 0 ? options->tolerance : DEFAULT_TOLERANCE,
         .max_iterations = options->max_iterations > 0 ? options->max_iterations : UINT32_MAX,
     };
@@ -225,7 +289,6 @@ static bool system_init(SolveSystem *system, const Links *links, const SolveProb
         return false;
     for (size_t k = 0; k < count * bands; k++) {
         const double received = problem->received != NULL ? problem->received[k] : 0;
-        system->darkest = fmin(system->darkest, 1 - problem->reflectance[k]);
         system->source[k] = problem->emission[k] + problem->reflectance[k] * received;
         system->power[k % bands] += links->area[k / bands] * system->source[k];
     }
@@ -262,7 +325,7 @@ static bool run(const SolveSystem *system, const SolveOptions *options, Solution
     case SOLVER_GAUSS_SEIDEL:
         return solve_gauss_seidel(system, solution, err);
     case SOLVER_PROGRESSIVE:
-        return solve_progressive(system, !options->no_ambient, solution, err);
+        return solve_progressive(system, solution, err);
     case SOLVER_SOR:
         return solve_sor(system, options->relaxation, solution, err);
     case SOLVER_CONJUGATE_GRADIENTS:
@@ -284,10 +347,13 @@ Solution *solve(const Links *links, const SolveProblem *problem, const SolveOpti
     assert(links != NULL && problem != NULL && options != NULL);
     assert(problem->bands > 0 && problem->emission != NULL && problem->reflectance != NULL);
     const double start = clock_seconds();
+    double begin = start;
     SolveSystem system;
     Solution *solution = NULL;
-    if (system_init(&system, links, problem, options, monitor, err))
+    if (system_init(&system, links, problem, options, monitor, err) &&
+        set_contraction(&system, err))
         system.solution = solution = solution_create(links->count, problem->bands, err);
+    system.begin = &begin;
     if (solution != NULL && run(&system, options, solution, err)) {
         /* Steps along directions may end a rounding below what a patch sends out by itself. */
         for (size_t k = 0; k < (size_t)solution->count * solution->bands; k++)
@@ -296,6 +362,8 @@ Solution *solve(const Links *links, const SolveProblem *problem, const SolveOpti
         solution->residual =
             solve_apply(&system, solution->radiosity, system.source, solution->irradiance);
         solution->converged = solution->residual <= system.tolerance;
+        solution->error_bound = isnan(system.contraction)
+                                    ? NAN : error_bound(&system, solution->residual);
     } else {
         solution = solution_destroy(solution);
     }

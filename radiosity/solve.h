@@ -4,8 +4,10 @@
  * Knows no room: flat arrays in, flat arrays out, any number of bands.
  * Units    E, B exitance (lm/m2 or W/m2); H irradiance (lux or W/m2).
  * Residual the power still missing, sum A |E + rho (H0 + F B) - B| / sum A (E + rho H0), the
- *          largest over bands: the same measure in all solvers. Its product with 1/(1 - max rho)
- *          bounds the relative error in power.
+ *          largest over bands: the same measure in all solvers.
+ * Bound    sum A |B - exact| / sum A (E + rho H0) <= residual / (1 - q), where q is the most of any
+ *          patch's light that is reflected once more: max_j sum_i A_i rho_i F_ij / A_j, from the
+ *          links as they are. No bound (INFINITY) where that makes 1 or more.
  * Threads  same bytes for any number.
  */
 #ifndef RADIOSITY_SOLVE_H
@@ -36,9 +38,11 @@ typedef struct {
 typedef struct {
     uint32_t step;         /* iterations or shots so far */
     double   seconds;      /* since the solver began */
-    double   residual;     /* what this solver knows of it; 0..1 */
+    double   residual;     /* of what there is now */
     double   unshot;       /* power not yet distributed, 0..1 */
-    double   error_bound;  /* of the relative error in power: residual / (1 - largest rho) */
+    double   error_bound;  /* see above */
+    double   passes;       /* work so far: links read / links there are */
+    const double *radiosity; /* [count * bands]  what there is now */
 } SolveStep;
 
 typedef struct {
@@ -47,8 +51,13 @@ typedef struct {
     uint32_t max_iterations;   /* sweeps; for progressive: shots; 0: no limit */
     double   relaxation;       /* of SOR, 0 < w < 2; 0: found from the first sweeps */
     bool     no_ambient;       /* progressive, stopped early: leave the ambient estimate out */
+    bool     overshoot;        /* progressive: patches shoot the light they expect back as well */
+    bool     bound;            /* find the bound on the error: one more pass over the links; with
+                                  a trace it is found anyway */
+    const double *start;       /* [count * bands]  a radiosity near the solution; NULL: emission */
     unsigned threads;
-    /* called after every step, from the caller's thread; NULL: not */
+    /* called after every step, from the caller's thread; NULL: not. What it takes to know the
+     * residual of each step is not counted in `seconds`. */
     void   (*trace)(void *user, const SolveStep *step);
     void    *trace_user;
 } SolveOptions;
@@ -61,12 +70,14 @@ typedef struct {
     uint32_t iterations;
     double   residual;     /* reached */
     double   unshot;       /* power not yet distributed / (emitted + received power), 0..1 */
+    double   error_bound;  /* of the relative error in power; NAN: not asked for */
     bool     converged;
     double   seconds;
 } Solution;
 
 /* Progressive refinement shoots from the patch with the greatest unshot power [cohen88], with the
- * matrix' own column, so that all solvers solve the same system. Conjugate gradients rely on
+ * matrix' own column, so that all solvers solve the same system; with overshooting it also shoots
+ * what the ambient estimate says will come back to the patch [feda92]. Conjugate gradients rely on
  * reciprocity (closure both): what links lack of it costs fresh starts. Progressive refinement
  * stopped by max_iterations or the monitor holds the ambient estimate for what was not shot.
  * owns   the caller frees with solution_destroy.

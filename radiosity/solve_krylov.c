@@ -33,25 +33,63 @@ static const double RESTART_GAIN = 0.5;
 
 /* --- vectors ---------------------------------------------------------------------------------- */
 
-/* out [bands] = <u, v> per band; in order, so that the sum is the same for any threads. */
+typedef struct {
+    const SolveSystem *system;
+    const double      *u, *v, *factor;
+    double            *out;
+} Vectors;
+
+static void dot_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
+{
+    const Vectors *x = context;
+    const unsigned bands = x->system->bands;
+    double *sum = &x->system->chunk_sum[(size_t)(begin / ROW_CHUNK) * bands];
+    (void)worker;
+    for (unsigned b = 0; b < bands; b++)
+        sum[b] = 0;
+    for (uint32_t i = begin; i < end; i++)
+        for (unsigned b = 0; b < bands; b++) {
+            const size_t at = (size_t)i * bands + b;
+            sum[b] += x->system->links->area[i] * x->u[at] * x->v[at];
+        }
+}
+
+/* Vectors shorter than this are not worth starting threads for. */
+enum { PARALLEL_ROWS = 1 << 14 };
+
+static void over_rows(const Vectors *x, ParallelBody body)
+{
+    const uint32_t count = x->system->links->count;
+    parallel_for(count, ROW_CHUNK, count < PARALLEL_ROWS ? 1 : x->system->threads, body,
+                 (void *)x, NULL, NULL);
+}
+
+/* out [bands] = <u, v> per band; chunks in order, so that the sum is the same for any threads. */
 static void dot(const SolveSystem *system, const double *u, const double *v, double *out)
 {
     const unsigned bands = system->bands;
+    over_rows(&(Vectors){ .system = system, .u = u, .v = v }, dot_chunk);
     for (unsigned b = 0; b < bands; b++)
         out[b] = 0;
-    for (uint32_t i = 0; i < system->links->count; i++)
-        for (unsigned b = 0; b < bands; b++) {
-            const size_t at = (size_t)i * bands + b;
-            out[b] += system->links->area[i] * u[at] * v[at];
-        }
+    const size_t chunks = ((size_t)system->links->count + ROW_CHUNK - 1) / ROW_CHUNK;
+    for (size_t k = 0; k < chunks * bands; k++)
+        out[k % bands] += system->chunk_sum[k];
+}
+
+static void add_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
+{
+    const Vectors *x = context;
+    const unsigned bands = x->system->bands;
+    (void)worker;
+    for (uint32_t i = begin; i < end; i++)
+        for (unsigned b = 0; b < bands; b++)
+            x->out[(size_t)i * bands + b] += x->factor[b] * x->u[(size_t)i * bands + b];
 }
 
 /* v += factor u, a factor per band. */
 static void add_scaled(const SolveSystem *system, const double *factor, const double *u, double *v)
 {
-    const size_t values = (size_t)system->links->count * system->bands;
-    for (size_t k = 0; k < values; k++)
-        v[k] += factor[k % system->bands] * u[k];
+    over_rows(&(Vectors){ .system = system, .factor = factor, .u = u, .out = v }, add_chunk);
 }
 
 typedef struct {
@@ -162,6 +200,25 @@ static double conjugate_left(const Conjugate *c, const SolveSystem *system)
     return solve_relative(system, sum);
 }
 
+/* B = E + s y. */
+static void conjugate_show(void *context, double *out)
+{
+    const Conjugate *c = context;
+    const size_t values = (size_t)c->inner.links->count * c->inner.bands;
+    for (size_t k = 0; k < values; k++)
+        out[k] = c->problem.emission[k] + c->root[k] * c->y[k];
+}
+
+/* y of the radiosity to start from; where nothing is reflected any will do. */
+static void conjugate_start(Conjugate *c, const SolveSystem *system)
+{
+    const size_t values = (size_t)system->links->count * system->bands;
+    const double *start = system->options->start;
+    for (size_t k = 0; start != NULL && k < values; k++)
+        if (c->root[k] > 0)
+            c->y[k] = (start[k] - system->problem->emission[k]) / c->root[k];
+}
+
 /* One step; <r, r> of before is in scalar[0..bands). */
 static void conjugate_step(Conjugate *c, Product *m)
 {
@@ -192,6 +249,7 @@ bool solve_conjugate_gradients(const SolveSystem *system, Solution *solution, Er
     const bool made = conjugate_create(&c, system, err);
     if (made) {
         Product m = { .system = &c.inner, .before = c.root, .after = c.root, .scaled = c.next };
+        conjugate_start(&c, system);
         double before = INFINITY, left = conjugate_restart(&c, system, solution);
         bool stop = false;
         while (!stop && left > system->tolerance && left < RESTART_GAIN * before &&
@@ -204,7 +262,7 @@ bool solve_conjugate_gradients(const SolveSystem *system, Solution *solution, Er
                 solution->iterations++;
                 left = conjugate_left(&c, system);
                 solution->unshot = fmin(left, 1);
-                stop = solve_report(system, left);
+                stop = solve_report(system, left, solution->iterations, conjugate_show, &c);
             }
             left = conjugate_restart(&c, system, solution);
         }
@@ -323,20 +381,25 @@ static double gmres_extend(Gmres *m, Product *k, int j)
     return solve_relative(system, m->scalar);
 }
 
+/* Weights of the `kept` directions out of the right side g of a band, in its place: back
+ * substitution. */
+static void gmres_weights(const Gmres *m, unsigned band, int kept, double *g)
+{
+    for (int i = kept - 1; i >= 0; i--) {
+        for (int k = i + 1; k < kept; k++)
+            g[i] -= *gmres_h(m, band, i, k) * g[k];
+        const double pivot = *gmres_h(m, band, i, i);
+        g[i] = pivot > 0 ? g[i] / pivot : 0;
+    }
+}
+
 /* radiosity += what the `kept` directions make of the right side. */
 static void gmres_collect(Gmres *m, int kept, double *radiosity)
 {
     const unsigned bands = m->inner.bands;
-    double *weight = m->g; /* overwritten from the end: back substitution */
-    for (unsigned b = 0; b < bands; b++) {
-        double *g = weight + (size_t)b * (GMRES_KEPT + 1);
-        for (int i = kept - 1; i >= 0; i--) {
-            for (int k = i + 1; k < kept; k++)
-                g[i] -= *gmres_h(m, b, i, k) * g[k];
-            const double pivot = *gmres_h(m, b, i, i);
-            g[i] = pivot > 0 ? g[i] / pivot : 0;
-        }
-    }
+    double *weight = m->g;
+    for (unsigned b = 0; b < bands; b++)
+        gmres_weights(m, b, kept, weight + (size_t)b * (GMRES_KEPT + 1));
     for (int i = 0; i < kept; i++) {
         for (unsigned b = 0; b < bands; b++)
             m->scalar[b] = weight[(size_t)b * (GMRES_KEPT + 1) + (size_t)i];
@@ -344,8 +407,32 @@ static void gmres_collect(Gmres *m, int kept, double *radiosity)
     }
 }
 
+typedef struct {
+    const Gmres    *gmres;
+    const Solution *solution;
+    int             kept;
+} GmresShow;
+
+/* What the directions so far make, without spoiling the right side. */
+static void gmres_show(void *context, double *out)
+{
+    const GmresShow *show = context;
+    const Gmres *m = show->gmres;
+    const unsigned bands = m->inner.bands;
+    const size_t values = (size_t)m->inner.links->count * bands;
+    memcpy(out, show->solution->radiosity, values * sizeof *out);
+    for (unsigned b = 0; b < bands; b++) {
+        double g[GMRES_KEPT + 1];
+        memcpy(g, m->g + (size_t)b * (GMRES_KEPT + 1), sizeof g);
+        gmres_weights(m, b, show->kept, g);
+        for (int i = 0; i < show->kept; i++)
+            for (size_t k = b; k < values; k += bands)
+                out[k] += g[i] * m->basis[i][k];
+    }
+}
+
 /* One run of steps from the residual in basis[0]; true when the caller wants to stop. */
-static bool gmres_cycle(Gmres *m, Product *k, Solution *solution)
+static bool gmres_cycle(Gmres *m, Product *k, const SolveSystem *system, Solution *solution)
 {
     const unsigned bands = m->inner.bands;
     bool stop = false;
@@ -359,7 +446,8 @@ static bool gmres_cycle(Gmres *m, Product *k, Solution *solution)
         left = gmres_extend(m, k, kept);
         solution->iterations++;
         solution->unshot = fmin(left, 1);
-        stop = solve_report(&m->inner, left);
+        GmresShow show = { m, solution, kept + 1 };
+        stop = solve_report(system, left, solution->iterations, gmres_show, &show);
     }
     gmres_collect(m, kept, solution->radiosity);
     return stop;
@@ -380,15 +468,14 @@ bool solve_gmres(const SolveSystem *system, Solution *solution, Error *err)
     Gmres m;
     const bool made = gmres_create(&m, system, err);
     if (made) {
-        const size_t values = (size_t)solution->count * solution->bands;
         Product k = { .system = &m.inner, .after = system->problem->reflectance };
-        memcpy(solution->radiosity, system->source, values * sizeof(double));
+        solve_start(system, system->source, solution->radiosity);
         double before = INFINITY, left = gmres_residual(&m, system, solution);
         bool stop = false;
         while (!stop && left > system->tolerance && left < before &&
                solution->iterations < system->max_iterations) {
             before = left;
-            stop = gmres_cycle(&m, &k, solution);
+            stop = gmres_cycle(&m, &k, system, solution);
             left = gmres_residual(&m, system, solution);
         }
         solution->unshot = fmin(left, 1);

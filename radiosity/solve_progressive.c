@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* radiosity/solve_progressive.c -- progressive refinement [cohen88], which is Southwell's
  * relaxation [gortler94]: the patch with the greatest unshot power sends it to all that see it,
- * until little is left. */
+ * until little is left. Overshooting, and starts that were too bright, leave unshot light below 0,
+ * which is sent like any other. */
 #include <assert.h>
 #include <math.h>
 #include <string.h>
@@ -13,16 +14,19 @@
 static const uint32_t SHOTS_PER_REPORT = 256;
 
 /* All that shooting keeps: B = E + rho H0 + rho F (B - unshot) holds after each shot, so the
- * residual of B is rho F unshot, and its sum is weight . unshot. */
+ * residual of B is rho F unshot, and its sum is at most weight . |unshot|. */
 typedef struct {
     const SolveSystem *system;
     LinkColumns        columns;
     double            *radiosity;    /* [count * bands]  the solution's */
     double            *unshot;       /* [count * bands] */
     double            *weight;       /* [count * bands]  sum_i A_i rho_i F_ij */
-    double            *residual;     /* [bands]  weight . unshot */
+    double            *residual;     /* [bands]  weight . |unshot| */
     double            *left;         /* [bands]  sum of A unshot */
-    double            *key;          /* [count]  A_i sum over bands of unshot_i */
+    double            *size;         /* [bands]  sum of A |unshot| */
+    double            *ambient;      /* [bands]  mean irradiance in the end for each of left */
+    double            *sent;         /* [bands]  a shot */
+    double            *key;          /* [count]  A_i sum over bands of |unshot_i| */
     uint32_t          *best;         /* [2 * leaves]  tournament: index of the greatest key below */
     uint32_t           leaves;       /* power of two >= count */
 } Shooting;
@@ -62,7 +66,7 @@ static void set_key(Shooting *s, uint32_t patch)
 {
     double sum = 0;
     for (unsigned b = 0; b < s->system->bands; b++)
-        sum += s->unshot[(size_t)patch * s->system->bands + b];
+        sum += fabs(s->unshot[(size_t)patch * s->system->bands + b]);
     s->key[patch] = s->system->links->area[patch] * sum;
 }
 
@@ -71,12 +75,13 @@ static void sum_anew(Shooting *s)
 {
     const unsigned bands = s->system->bands;
     for (unsigned b = 0; b < bands; b++)
-        s->residual[b] = s->left[b] = 0;
+        s->residual[b] = s->left[b] = s->size[b] = 0;
     for (uint32_t i = 0; i < s->system->links->count; i++)
         for (unsigned b = 0; b < bands; b++) {
             const size_t at = (size_t)i * bands + b;
-            s->residual[b] += s->weight[at] * s->unshot[at];
+            s->residual[b] += s->weight[at] * fabs(s->unshot[at]);
             s->left[b] += s->system->links->area[i] * s->unshot[at];
+            s->size[b] += s->system->links->area[i] * fabs(s->unshot[at]);
         }
 }
 
@@ -92,27 +97,46 @@ static void fill_weights(Shooting *s)
                     s->system->problem->reflectance[(size_t)i * bands + b];
 }
 
-/* Adds `gain` in band b to a patch; a patch without visible area stays as it is. */
-static void receive(Shooting *s, uint32_t patch, unsigned b, double gain)
+/* Adds `gain` to what a patch has not shot in band b, and keeps the sums. */
+static void add_unshot(Shooting *s, uint32_t patch, unsigned b, double gain)
 {
     const size_t at = (size_t)patch * s->system->bands + b;
-    s->radiosity[at] += gain;
+    const double area = s->system->links->area[patch];
+    const double before = fabs(s->unshot[at]);
     s->unshot[at] += gain;
-    s->residual[b] += s->weight[at] * gain;
-    s->left[b] += s->system->links->area[patch] * gain;
+    s->residual[b] += s->weight[at] * (fabs(s->unshot[at]) - before);
+    s->left[b] += area * gain;
+    s->size[b] += area * (fabs(s->unshot[at]) - before);
 }
 
-static void shoot(Shooting *s, uint32_t shooter, double *sent)
+/* A patch without visible area stays as it is. */
+static void receive(Shooting *s, uint32_t patch, unsigned b, double gain)
+{
+    s->radiosity[(size_t)patch * s->system->bands + b] += gain;
+    add_unshot(s, patch, b, gain);
+}
+
+/* With overshooting, what will come back to the shooter is sent at once: the ambient estimate of it
+ * [feda92]. It is owed from then on. */
+static void take_shot(Shooting *s, uint32_t shooter)
 {
     const unsigned bands = s->system->bands;
     const double *reflectance = s->system->problem->reflectance;
     for (unsigned b = 0; b < bands; b++) {
         const size_t at = (size_t)shooter * bands + b;
-        sent[b] = s->unshot[at];
-        s->residual[b] -= s->weight[at] * sent[b];
-        s->left[b] -= s->system->links->area[shooter] * sent[b];
-        s->unshot[at] = 0;
+        s->sent[b] = s->unshot[at];
+        if (s->system->options->overshoot && s->sent[b] > 0 && s->left[b] > 0)
+            s->sent[b] += reflectance[at] * s->ambient[b] * s->left[b];
+        add_unshot(s, shooter, b, -s->sent[b]);
     }
+}
+
+static void shoot(Shooting *s, uint32_t shooter)
+{
+    const unsigned bands = s->system->bands;
+    const double *reflectance = s->system->problem->reflectance;
+    const double *sent = s->sent;
+    take_shot(s, shooter);
     set_key(s, shooter);
     tournament_update(s, shooter);
     for (uint64_t k = s->columns.first[shooter]; k < s->columns.first[shooter + 1]; k++) {
@@ -128,7 +152,7 @@ static void shoot(Shooting *s, uint32_t shooter, double *sent)
 /* Light not yet shot will be spread over the whole room in the end: its mean irradiance
  * R sum A unshot / sum A, with R = 1 + rho + rho^2 ... for mean reflectance rho [cohen88]. What
  * escapes is taken off each time round, which the source leaves out. */
-static void add_ambient(Shooting *s)
+static void find_ambient(Shooting *s)
 {
     const Links *links = s->system->links;
     const unsigned bands = s->system->bands;
@@ -143,12 +167,38 @@ static void add_ambient(Shooting *s)
         for (uint32_t i = 0; i < links->count; i++)
             reflected += links->area[i] * reflectance[(size_t)i * bands + b];
         const double loop = (stays / area) * (reflected / area);
-        const double ambient = (stays / area) * (s->left[b] / area) / (1 - loop);
-        for (uint32_t i = 0; i < links->count; i++)
-            if (links->area[i] > 0)
-                s->radiosity[(size_t)i * bands + b] +=
-                    reflectance[(size_t)i * bands + b] * ambient;
+        s->ambient[b] = (stays / area) / area / (1 - loop);
     }
+}
+
+/* The solution so far with the ambient estimate, unless that is switched off. */
+static void show_ambient(void *context, double *out)
+{
+    const Shooting *s = context;
+    const Links *links = s->system->links;
+    const unsigned bands = s->system->bands;
+    const double *reflectance = s->system->problem->reflectance;
+    for (size_t k = 0; k < (size_t)links->count * bands; k++) {
+        const bool gets = !s->system->options->no_ambient && links->area[k / bands] > 0;
+        const double more = reflectance[k] * s->ambient[k % bands] * s->left[k % bands];
+        out[k] = s->radiosity[k] + (gets ? more : 0);
+    }
+}
+
+/* A start that was given counts as shot: what it lacks of the solution, or has too much, is
+ * unshot. */
+static void shooting_start(Shooting *s)
+{
+    const SolveSystem *system = s->system;
+    const size_t values = (size_t)system->links->count * system->bands;
+    const double *start = system->options->start;
+    memcpy(s->radiosity, system->source, values * sizeof *s->radiosity);
+    memcpy(s->unshot, system->source, values * sizeof *s->unshot);
+    if (start == NULL)
+        return;
+    solve_apply(system, start, s->radiosity, NULL);
+    for (size_t k = 0; k < values; k++)
+        s->unshot[k] = s->radiosity[k] - start[k];
 }
 
 static bool shooting_init(Shooting *s, const SolveSystem *system, Solution *solution, Error *err)
@@ -161,13 +211,16 @@ static bool shooting_init(Shooting *s, const SolveSystem *system, Solution *solu
     s->weight = array_create(values, sizeof *s->weight, "weights of unshot radiosity", err);
     s->residual = array_create(solution->bands, sizeof *s->residual, "sums", err);
     s->left = array_create(solution->bands, sizeof *s->left, "sums", err);
+    s->size = array_create(solution->bands, sizeof *s->size, "sums", err);
+    s->ambient = array_create(solution->bands, sizeof *s->ambient, "sums", err);
+    s->sent = array_create(solution->bands, sizeof *s->sent, "a shot", err);
     s->key = array_create(count, sizeof *s->key, "unshot power", err);
     s->best = array_create(2 * (size_t)s->leaves, sizeof *s->best, "a tournament", err);
     if (!link_columns_create(system->links, &s->columns, err) || error_is_set(err))
         return false;
-    memcpy(s->radiosity, system->source, values * sizeof *s->radiosity);
-    memcpy(s->unshot, system->source, values * sizeof *s->unshot);
+    shooting_start(s);
     fill_weights(s);
+    find_ambient(s);
     sum_anew(s);
     for (uint32_t i = 0; i < count; i++)
         set_key(s, i);
@@ -182,45 +235,61 @@ static void shooting_clear(Shooting *s)
     array_free(s->weight);
     array_free(s->residual);
     array_free(s->left);
+    array_free(s->size);
+    array_free(s->ambient);
+    array_free(s->sent);
     array_free(s->key);
     array_free(s->best);
 }
 
-bool solve_progressive(const SolveSystem *system, bool ambient, Solution *solution, Error *err)
+/* Whether so little is left that shooting may end. */
+static bool shot_enough(Shooting *s)
 {
-    Shooting s;
-    double *sent = array_create(solution->bands, sizeof *sent, "a shot", err);
-    const bool made = shooting_init(&s, system, solution, err);
+    if (solve_relative(s->system, s->residual) > s->system->tolerance)
+        return false;
+    sum_anew(s);
+    return solve_relative(s->system, s->residual) <= s->system->tolerance;
+}
+
+/* Shoots until little is left, returning true, or something ends it early. */
+static bool run_shots(Shooting *s, Solution *solution)
+{
+    const SolveSystem *system = s->system;
+    const uint64_t links = system->links->first[solution->count];
     SolveStall stall = { 0 };
-    while (made && solution->count > 0) {
+    uint64_t read = 0;
+    while (!shot_enough(s)) {
+        const uint32_t shooter = s->best[1];
         if (solution->iterations % solution->count == 0) {
-            sum_anew(&s);
-            if (solve_stalled(&stall, solve_relative(system, s.residual)))
-                break;
+            sum_anew(s);
+            if (solve_stalled(&stall, solve_relative(system, s->residual)))
+                return false;
         }
-        if (solve_relative(system, s.residual) <= system->tolerance) {
-            sum_anew(&s);
-            if (solve_relative(system, s.residual) <= system->tolerance) {
-                ambient = false; /* not stopped early */
-                break;
-            }
-        }
-        if (solution->iterations >= system->max_iterations || s.key[s.best[1]] <= 0)
-            break;
-        solution->unshot = fmin(solve_relative(system, s.left), 1);
+        if (solution->iterations >= system->max_iterations || !(s->key[shooter] > 0))
+            return false;
+        solution->unshot = fmin(solve_relative(system, s->size), 1);
         if (solution->iterations % SHOTS_PER_REPORT == 0 &&
-            solve_report(system, solve_relative(system, s.residual)))
-            break;
-        shoot(&s, s.best[1], sent);
+            solve_report(system, solve_relative(system, s->residual),
+                         links > 0 ? (double)read / (double)links : 0, show_ambient, s))
+            return false;
+        read += s->columns.first[shooter + 1] - s->columns.first[shooter];
+        shoot(s, shooter);
         solution->iterations++;
     }
-    if (made) {
+    return true;
+}
+
+bool solve_progressive(const SolveSystem *system, Solution *solution, Error *err)
+{
+    Shooting s;
+    const bool made = shooting_init(&s, system, solution, err);
+    if (made && solution->count > 0) {
+        const bool whole = run_shots(&s, solution);
         sum_anew(&s);
-        solution->unshot = fmin(solve_relative(system, s.left), 1);
-        if (ambient)
-            add_ambient(&s);
+        solution->unshot = fmin(solve_relative(system, s.size), 1);
+        if (!whole)
+            show_ambient(&s, solution->radiosity);
     }
     shooting_clear(&s);
-    array_free(sent);
     return made;
 }

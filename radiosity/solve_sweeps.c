@@ -14,13 +14,8 @@
  * dominates what a sweep moves. */
 enum { PLAIN_SWEEPS = 4 };
 
-/* Starts at E: the source less what comes from outside, as the literature's iterates do
+/* Both start at E: the source less what comes from outside, as the literature's iterates do
  * [cohen93]. */
-static void start_at_emission(const SolveSystem *system, double *radiosity)
-{
-    const size_t values = (size_t)system->links->count * system->bands;
-    memcpy(radiosity, system->problem->emission, values * sizeof *radiosity);
-}
 
 bool solve_jacobi(const SolveSystem *system, Solution *solution, Error *err)
 {
@@ -28,13 +23,14 @@ bool solve_jacobi(const SolveSystem *system, Solution *solution, Error *err)
     double *next = array_create(values, sizeof *next, "radiosity of the next sweep", err);
     if (next == NULL)
         return false;
-    start_at_emission(system, solution->radiosity);
+    solve_start(system, system->problem->emission, solution->radiosity);
     SolveStall stall = { 0 };
     for (;;) {
         const double residual = solve_apply(system, solution->radiosity, next, NULL);
         solution->unshot = fmin(residual, 1);
         if (residual <= system->tolerance || solution->iterations >= system->max_iterations ||
-            solve_report(system, residual) || solve_stalled(&stall, residual))
+            solve_report(system, residual, solution->iterations, NULL, NULL) ||
+            solve_stalled(&stall, residual))
             break;
         double *const old = solution->radiosity;
         solution->radiosity = next;
@@ -121,7 +117,7 @@ static void run_sweeps(Sweeper *s, double relaxation, Solution *solution)
     const SolveSystem *system = s->system;
     SolveStall stall = { 0 };
     double before = 0;
-    start_at_emission(system, solution->radiosity);
+    solve_start(system, system->problem->emission, solution->radiosity);
     solution->unshot = 1;
     s->relaxation = relaxation > 0 ? relaxation : 1;
     while (solution->iterations < system->max_iterations) {
@@ -135,7 +131,9 @@ static void run_sweeps(Sweeper *s, double relaxation, Solution *solution)
         if (left <= system->tolerance || solution->iterations >= system->max_iterations)
             left = solve_apply(system, solution->radiosity, s->next, NULL);
         solution->unshot = fmin(left, 1);
-        if (left <= system->tolerance || solve_report(system, left) || solve_stalled(&stall, left))
+        if (left <= system->tolerance ||
+            solve_report(system, left, solution->iterations, NULL, NULL) ||
+            solve_stalled(&stall, left))
             break;
     }
 }
