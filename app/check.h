@@ -36,6 +36,8 @@ typedef struct {
 
 /* Places of each kind, rims and parts that are told. */
 enum { CHECK_PLACES = 5, CHECK_PLACES_JSON = 20 };
+/* Of a coordinate in the report for people. */
+enum { CHECK_DIGITS = 5 };
 
 /* check_account.c.  fails  ERROR_MEMORY. */
 bool check_account(const Pipeline *pipeline, FaceAccount *account, Error *err);

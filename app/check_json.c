@@ -5,17 +5,19 @@
 
 #include "app/check.h"
 
-static void put_vector(Json *json, const char *key, Vec3 v)
+static void put_position(Json *json, const char *key, const Scene *scene, Vec3 p)
 {
-    json_numbers(json, key, (double[]){ v.x, v.y, v.z }, 3);
+    const Vec3 q = scene_to_file(scene, p);
+    json_numbers(json, key, (double[]){ q.x, q.y, q.z }, 3);
 }
 
-static void put_place(Json *json, const Polygons *soup, const Defect *d)
+static void put_place(Json *json, const Scene *scene, const Defect *d)
 {
+    const Polygons *soup = &scene->polygons;
     json_open(json, NULL, '{');
     json_text(json, "group", check_group(soup, d->face));
     json_count(json, "face", (uint64_t)d->face + 1);
-    put_vector(json, "position", d->at);
+    put_position(json, "position", scene, d->at);
     if (d->other != DEFECT_NO_FACE) {
         json_text(json, "other_group", check_group(soup, d->other));
         json_count(json, "other", (uint64_t)d->other + 1);
@@ -27,8 +29,7 @@ static void put_place(Json *json, const Polygons *soup, const Defect *d)
 
 static void put_defects(Json *json, const Check *check)
 {
-    const Defects  *list = &check->pipeline->defects;
-    const Polygons *soup = &check->pipeline->scene->polygons;
+    const Defects *list = &check->pipeline->defects;
     json_open(json, "defects", '{');
     for (int kind = 0; kind < DEFECT_KINDS; kind++) {
         json_open(json, defect_name((DefectKind)kind), '{');
@@ -38,7 +39,7 @@ static void put_defects(Json *json, const Check *check)
         json_open(json, "first", '[');
         for (size_t i = 0, told = 0; i < list->count && told < CHECK_PLACES_JSON; i++)
             if ((int)list->item[i].kind == kind) {
-                put_place(json, soup, &list->item[i]);
+                put_place(json, check->pipeline->scene, &list->item[i]);
                 told++;
             }
         json_close(json, ']');
@@ -65,8 +66,8 @@ static void put_rims(Json *json, const Check *check)
         json_number(json, "length", r->length);
         json_bool(json, "flat", r->flat);
         json_open(json, "bounds", '[');
-        put_vector(json, NULL, r->lo);
-        put_vector(json, NULL, r->hi);
+        put_position(json, NULL, check->pipeline->scene, r->lo);
+        put_position(json, NULL, check->pipeline->scene, r->hi);
         json_close(json, ']');
         json_close(json, '}');
     }
@@ -86,8 +87,8 @@ static void put_part(Json *json, const Check *check, const Part *part)
     json_bool(json, "closed", part->closed);
     json_bool(json, "reached", part->seen);
     json_open(json, "bounds", '[');
-    put_vector(json, NULL, part->lo);
-    put_vector(json, NULL, part->hi);
+    put_position(json, NULL, check->pipeline->scene, part->lo);
+    put_position(json, NULL, check->pipeline->scene, part->hi);
     json_close(json, ']');
     json_close(json, '}');
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "app/check.h"
+#include "app/place.h"
 #include "base/array.h"
 
 /* What a kind's measure is; NULL: not worth telling. */
@@ -33,7 +34,7 @@ static void name_face(const Polygons *soup, uint32_t face, char *out, size_t siz
 static void say_place(const Check *check, const Defect *d)
 {
     const Polygons *soup = &check->pipeline->scene->polygons;
-    char first[160], other[180] = "", measure[64] = "";
+    char first[160], other[180] = "", measure[64] = "", at[PLACE_TEXT];
     name_face(soup, d->face, first, sizeof first);
     if (d->other != DEFECT_NO_FACE) {
         memcpy(other, " and ", 6);
@@ -41,8 +42,9 @@ static void say_place(const Check *check, const Defect *d)
     }
     if (d->measure > 0 && measure_word(d->kind) != NULL)
         snprintf(measure, sizeof measure, " (%.3g %s)", d->measure, measure_word(d->kind));
-    check_say(check, "    %s%s, at %.5g,%.5g,%.5g%s%s", first, other, d->at.x, d->at.y, d->at.z,
-              measure, d->repaired ? ", repaired" : "");
+    place_text(check->pipeline->scene, d->at, CHECK_DIGITS, at);
+    check_say(check, "    %s%s, at %s%s%s", first, other, at, measure,
+              d->repaired ? ", repaired" : "");
 }
 
 /* --- which groups meet ------------------------------------------------------------------------ */
@@ -150,11 +152,12 @@ void check_say_rims(const Check *check)
     check_say(check, "  rims");
     for (size_t i = 0; i < found->rim_count && i < CHECK_PLACES; i++) {
         const Rim *r = &found->rim[i];
-        char       face[160];
+        char       face[160], lo[PLACE_TEXT], hi[PLACE_TEXT];
+        place_text(check->pipeline->scene, r->lo, CHECK_DIGITS, lo);
+        place_text(check->pipeline->scene, r->hi, CHECK_DIGITS, hi);
         name_face(soup, r->face, face, sizeof face);
-        check_say(check, "    %u edge%s, %.4g long, %s, %.4g,%.4g,%.4g to %.4g,%.4g,%.4g, at %s",
-                  r->edges, check_plural(r->edges), r->length, r->flat ? "flat" : "bent", r->lo.x,
-                  r->lo.y, r->lo.z, r->hi.x, r->hi.y, r->hi.z, face);
+        check_say(check, "    %u edge%s, %.4g long, %s, %s to %s, at %s", r->edges,
+                  check_plural(r->edges), r->length, r->flat ? "flat" : "bent", lo, hi, face);
     }
     if (found->rims > CHECK_PLACES)
         check_say(check, "    and %" PRIu64 " more", found->rims - CHECK_PLACES);

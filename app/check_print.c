@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "app/check.h"
+#include "app/place.h"
 
 /* The worst first: what lets light through or shows, then what was mended, then remarks. */
 static const DefectKind order[DEFECT_KINDS] = {
@@ -47,6 +48,7 @@ static void say_scene(const Check *check)
     const Scene    *scene = check->pipeline->scene;
     const Polygons *soup = &scene->polygons;
     Vec3   lo = { 0 }, hi = { 0 };
+    char   low[PLACE_TEXT], high[PLACE_TEXT];
     size_t emitters = 0;
     for (size_t i = 0; i < soup->material_count; i++)
         emitters += rgb_max(soup->materials[i].emission) > 0;
@@ -57,12 +59,16 @@ static void say_scene(const Check *check)
     check_say(check, "  materials   %zu, %zu of them emit", soup->material_count, emitters);
     check_say(check, "  lights      %zu", scene->light_count);
     check_say(check, "  cameras     %zu", scene->camera_count);
-    for (size_t i = 0; i < scene->camera_count; i++)
-        check_say(check, "              '%s' at %.5g,%.5g,%.5g", scene->cameras[i].name,
-                  scene->cameras[i].eye.x, scene->cameras[i].eye.y, scene->cameras[i].eye.z);
-    if (polygons_bounds(soup, &lo, &hi))
-        check_say(check, "  bounds      %.5g,%.5g,%.5g to %.5g,%.5g,%.5g: %.5g x %.5g x %.5g", lo.x,
-                  lo.y, lo.z, hi.x, hi.y, hi.z, hi.x - lo.x, hi.y - lo.y, hi.z - lo.z);
+    for (size_t i = 0; i < scene->camera_count; i++) {
+        place_text(scene, scene->cameras[i].eye, CHECK_DIGITS, low);
+        check_say(check, "              '%s' at %s", scene->cameras[i].name, low);
+    }
+    if (polygons_bounds(soup, &lo, &hi)) {
+        place_text(scene, lo, CHECK_DIGITS, low);
+        place_text(scene, hi, CHECK_DIGITS, high);
+        check_say(check, "  bounds      %s to %s: %.5g x %.5g x %.5g", low, high, hi.x - lo.x,
+                  hi.y - lo.y, hi.z - lo.z);
+    }
 }
 
 /* --- verdict ---------------------------------------------------------------------------------- */

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "app/commands.h"
+#include "app/place.h"
 #include "app/points.h"
 #include "app/summary.h"
 #include "base/array.h"
@@ -66,26 +67,32 @@ static bool write_points(const Pipeline *pipeline, const Points *points, const I
     fputs(lux ? "x,y,z,nx,ny,nz,E_r,E_g,E_b,lux,lux_direct,lux_error\n"
               : "x,y,z,nx,ny,nz,E_r,E_g,E_b,W/m2,W/m2_direct,W/m2_error\n", out);
     for (size_t i = 0; i < points->count; i++) {
-        const Vec3 p = points->point[i], n = points->given[i];
+        const Vec3 n = points->given[i];
+        char place[PLACE_TEXT];
         const Rgb e = rgb_add(result[i].direct, result[i].indirect);
         if (result[i].standard_error < 0)
             continue;
-        fprintf(out, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.3g\n", p.x, p.y,
-                p.z, n.x, n.y, n.z, e.r, e.g, e.b, rgb_luminance(e),
-                rgb_luminance(result[i].direct), result[i].standard_error);
+        place_text(pipeline->scene, points->point[i], 9, place);
+        fprintf(out, "%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.3g\n", place, n.x, n.y, n.z, e.r,
+                e.g, e.b, rgb_luminance(e), rgb_luminance(result[i].direct),
+                result[i].standard_error);
     }
     return outfile_commit(file, err);
 }
 
+/* `points` in the file's coordinates: they go where the scene went. */
 static bool measure_points(Pipeline *pipeline, const Points *points, int *exit_code, Error *err)
 {
     Session *session = pipeline->session;
     const Options *options = &session->options;
     const char *output = options->output != NULL ? options->output : "-";
     bool done = false;
-    if (!pipeline_read(pipeline, err) || !pipeline_mesh(pipeline, err) ||
-        !pipeline_patches(pipeline, err) || !pipeline_factors(pipeline, err) ||
-        !pipeline_solve(pipeline, err))
+    if (!pipeline_read(pipeline, err))
+        return false;
+    for (size_t i = 0; i < points->count; i++)
+        points->point[i] = scene_from_file(pipeline->scene, points->point[i]);
+    if (!pipeline_mesh(pipeline, err) || !pipeline_patches(pipeline, err) ||
+        !pipeline_factors(pipeline, err) || !pipeline_solve(pipeline, err))
         return false;
     *exit_code = pipeline_exit_code(pipeline);
     Irradiance *result = measure(pipeline, points, &done, err);

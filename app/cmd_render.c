@@ -99,13 +99,15 @@ static bool write_picture(Pipeline *pipeline, const Image *image, const Names *n
 {
     const Options *options = &pipeline->session->options;
     const Camera *c = &pipeline->camera;
+    const Vec3 eye = scene_to_file(pipeline->scene, c->eye);
+    const Vec3 target = scene_to_file(pipeline->scene, c->target);
     const double begin = progress_now();
     char command[1024];
     record_command(options, command, sizeof command);
     pipeline->exposure = options->exposure_set ? options->exposure : image_auto_exposure(image);
     const ImageInfo info = {
-        .eye = { c->eye.x, c->eye.y, c->eye.z },
-        .target = { c->target.x, c->target.y, c->target.z },
+        .eye = { eye.x, eye.y, eye.z },
+        .target = { target.x, target.y, target.z },
         .up = { c->up.x, c->up.y, c->up.z },
         .vertical_fov = c->vertical_fov,
         .exposure = pipeline->exposure,

@@ -6,8 +6,9 @@
 
 #include "app/classes.h"
 #include "app/commands.h"
-#include "app/factors_files.h"
 #include "app/csv.h"
+#include "app/factors_files.h"
+#include "app/place.h"
 #include "base/array.h"
 #include "base/file.h"
 
@@ -115,14 +116,15 @@ static bool write_patch_table(const Pipeline *pipeline, const char *path, Error 
     FILE *out = outfile_stream(file);
     fputs("patch,group,material,surface,side,area,visible_area,x,y,z,nx,ny,nz,escaped\n", out);
     for (uint32_t i = 0; i < p->count; i++) {
+        char centre[PLACE_TEXT];
         fprintf(out, "%" PRIu32 ",", i + 1);
         csv_text(out, soup->group_name[p->group[i]]);
         fputc(',', out);
         csv_text(out, soup->materials[p->material[i]].name);
-        fprintf(out, ",%" PRIu32 ",%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n",
-                p->surface[i], p->side[i] == 0 ? "front" : "back", p->area[i], links->area[i],
-                p->centre[i].x, p->centre[i].y, p->centre[i].z, p->normal[i].x, p->normal[i].y,
-                p->normal[i].z, (double)links->escape[i]);
+        place_text(pipeline->scene, p->centre[i], 9, centre);
+        fprintf(out, ",%" PRIu32 ",%s,%.9g,%.9g,%s,%.9g,%.9g,%.9g,%.9g\n", p->surface[i],
+                p->side[i] == 0 ? "front" : "back", p->area[i], links->area[i], centre,
+                p->normal[i].x, p->normal[i].y, p->normal[i].z, (double)links->escape[i]);
     }
     return outfile_commit(file, err);
 }

@@ -31,15 +31,27 @@ static int64_t *row_pointers(const Links *links, Error *err)
     return pointer;
 }
 
+/* Centres in the file's coordinates. */
+static bool add_centres(Npz *npz, const Pipeline *pipeline, Error *err)
+{
+    const Patches *p = pipeline->patches;
+    _Static_assert(sizeof(Vec3) == 3 * sizeof(double), "a position is three doubles");
+    Vec3 *centre = array_create(p->count, sizeof *centre, "patches", err);
+    for (uint32_t i = 0; centre != NULL && i < p->count; i++)
+        centre[i] = scene_to_file(pipeline->scene, p->centre[i]);
+    const bool added = centre != NULL && npz_add(npz, "centre", "<f8", p->count, 3, centre, err);
+    array_free(centre);
+    return added;
+}
+
 static bool add_patches(Npz *npz, const Pipeline *pipeline, Error *err)
 {
     const Patches *p = pipeline->patches;
     const Links *links = pipeline->links;
     const size_t n = p->count;
-    _Static_assert(sizeof(Vec3) == 3 * sizeof(double), "a position is three doubles");
     return npz_add(npz, "area", "<f8", n, 0, p->area, err) &&
            npz_add(npz, "visible_area", "<f8", n, 0, links->area, err) &&
-           npz_add(npz, "centre", "<f8", n, 3, p->centre, err) &&
+           add_centres(npz, pipeline, err) &&
            npz_add(npz, "normal", "<f8", n, 3, p->normal, err) &&
            npz_add(npz, "group", "<u4", n, 0, p->group, err) &&
            npz_add(npz, "side", "|u1", n, 0, p->side, err) &&

@@ -8,6 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "app/place.h"
+#include "app/ply_read.h"
 #include "base/array.h"
 #include "base/file.h"
 
@@ -123,17 +125,25 @@ static void write_record(FILE *out, Record *record)
     record->size = 0;
 }
 
-static void write_vertex(FILE *out, Vec3 p, const unsigned char colour[3])
+static void write_vertex(const Marked *m, Vec3 p, const unsigned char colour[3])
 {
-    const float value[3] = { (float)p.x, (float)p.y, (float)p.z };
-    Record      record = { .size = 0 };
+    const Scene *scene = m->check->pipeline->scene;
+    const Vec3   place = scene_to_file(scene, p);
+    Record       record = { .size = 0 };
     for (int k = 0; k < 3; k++) {
-        uint32_t bits;
-        memcpy(&bits, &value[k], sizeof bits);
-        put_bytes(&record, bits, 4);
+        const double value = vec3_axis(place, k);
+        const float  single = (float)value;
+        uint64_t     bits = 0;
+        if (place_is_far(scene))
+            memcpy(&bits, &value, sizeof value);
+        else
+            memcpy(&bits, &single, sizeof single);
+        put_bytes(&record, (uint32_t)bits, 4);
+        if (place_is_far(scene))
+            put_bytes(&record, (uint32_t)(bits >> 32), 4);
     }
     put_colour(&record, colour);
-    write_record(out, &record);
+    write_record(m->out, &record);
 }
 
 /* --- header ----------------------------------------------------------------------------------- */
@@ -173,8 +183,8 @@ static void put_header(const Marked *m)
     put_legend(m);
     put_names(m);
     fprintf(m->out, "element vertex %" PRIu64 "\n", m->vertices + 2 * edges);
-    fputs("property float x\nproperty float y\nproperty float z\n"
-          "property uchar red\nproperty uchar green\nproperty uchar blue\n", m->out);
+    fputs(place_is_far(m->check->pipeline->scene) ? PLY_DOUBLES : PLY_FLOATS, m->out);
+    fputs("property uchar red\nproperty uchar green\nproperty uchar blue\n", m->out);
     fprintf(m->out, "element face %" PRIu64 "\nproperty list %s int vertex_indices\n", faces,
             m->wide ? "int" : "uchar");
     fputs("property uchar red\nproperty uchar green\nproperty uchar blue\n"
@@ -196,19 +206,19 @@ static void put_vertices(const Marked *m)
     for (size_t f = 0; f < soup->polygon_count; f++)
         for (uint32_t i = soup->first[f]; i < soup->first[f + 1]; i++) {
             const Vec3 p = soup->position[soup->corner[i]];
-            write_vertex(m->out, vec3_finite(p) ? p : pipeline->surfaces->lo, face_colour(m, f));
+            write_vertex(m, vec3_finite(p) ? p : pipeline->surfaces->lo, face_colour(m, f));
         }
     for (size_t k = 0; k < soup->shape_count; k++)
         for (int i = 0; i < CELL_VERTICES; i++) {
             const double u = (double)(i % (CELLS_U + 1)) / CELLS_U;
             const double v = (double)(i / (CELLS_U + 1)) / CELLS_V;
-            write_vertex(m->out, shape_point(&soup->shape[k].shape, u, v),
+            write_vertex(m, shape_point(&soup->shape[k].shape, u, v),
                          face_colour(m, soup->polygon_count + k));
         }
     for (uint64_t i = 0; i < m->check->inspection.open_edges; i++) {
         const OpenEdge *e = &m->check->inspection.edge[i];
-        write_vertex(m->out, pipeline->surfaces->position[e->from], edge_colour);
-        write_vertex(m->out, pipeline->surfaces->position[e->to], edge_colour);
+        write_vertex(m, pipeline->surfaces->position[e->from], edge_colour);
+        write_vertex(m, pipeline->surfaces->position[e->to], edge_colour);
     }
 }
 

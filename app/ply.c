@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "app/commands.h"
+#include "app/place.h"
 #include "app/ply_read.h"
 #include "base/array.h"
 #include "base/file.h"
@@ -43,6 +44,14 @@ static void put_float(Record *record, double value)
     uint32_t bits;
     memcpy(&bits, &f, sizeof bits);
     put_bytes(record, bits, 4);
+}
+
+static void put_double(Record *record, double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    put_bytes(record, (uint32_t)bits, 4);
+    put_bytes(record, (uint32_t)(bits >> 32), 4);
 }
 
 static void put_bands(Record *record, const double *value)
@@ -116,6 +125,7 @@ static void put_header(const Ply *ply)
     for (size_t i = 0; i < soup->material_count; i++)
         put_name(out, "material", i, soup->materials[i].name);
     fprintf(out, "element vertex %" PRIu32 "\n", pipeline->patches->vertex_count);
+    fputs(place_is_far(pipeline->scene) ? PLY_DOUBLES : PLY_FLOATS, out);
     fputs(PLY_VERTEX_LAYOUT, out);
     fprintf(out, "element face %" PRIu32 "\nproperty list %s int vertex_indices\n",
             pipeline->patches->face_count, ply->wide ? "ushort" : "uchar");
@@ -127,11 +137,14 @@ static void put_header(const Ply *ply)
 static void put_vertices(const Ply *ply)
 {
     const Patches *patches = ply->pipeline->patches;
+    const Scene *scene = ply->pipeline->scene;
     Record record = { .size = 0 };
     for (uint32_t i = 0; i < patches->vertex_count; i++) {
         const double *b = ply->radiosity + (size_t)ROOM_BANDS * i;
-        put_bands(&record, (double[]){ patches->position[i].x, patches->position[i].y,
-                                       patches->position[i].z });
+        const Vec3 p = scene_to_file(scene, patches->position[i]);
+        const double place[3] = { p.x, p.y, p.z };
+        for (int k = 0; k < 3; k++)
+            place_is_far(scene) ? put_double(&record, place[k]) : put_float(&record, place[k]);
         for (int band = 0; band < ROOM_BANDS; band++)
             put_bytes(&record, display_byte(ply->scale * b[band]), 1);
         put_bands(&record, b);

@@ -94,7 +94,9 @@ static bool parse_header(SolvedMesh *mesh, PlyBytes *in, unsigned *count_bytes)
             return error_is_set(in->err) ? false : cut_off(in, "header");
     }
     if (!take(in, "element vertex ") || !take_number(in, &mesh->vertex_count) ||
-        !take(in, "\n" PLY_VERTEX_LAYOUT "element face ") ||
+        !take(in, "\n") ||
+        !((mesh->far = take(in, PLY_DOUBLES)) || take(in, PLY_FLOATS)) ||
+        !take(in, PLY_VERTEX_LAYOUT "element face ") ||
         !take_number(in, &mesh->face_count) || !take(in, "\nproperty list "))
         return foreign(in);
     *count_bytes = take(in, "uchar") ? 1 : take(in, "ushort") ? 2 : 0;
@@ -131,6 +133,17 @@ static bool get_bands(const uint8_t *at, double *value)
     return good;
 }
 
+static bool get_doubles(const uint8_t *at, double *value)
+{
+    bool good = true;
+    for (int k = 0; k < 3; k++, at += 8) {
+        const uint64_t bits = get_bytes(at, 4) | (uint64_t)get_bytes(at + 4, 4) << 32;
+        memcpy(&value[k], &bits, sizeof bits);
+        good = good && isfinite(value[k]);
+    }
+    return good;
+}
+
 static bool odd_number(const PlyBytes *in, const char *what, uint32_t number)
 {
     return error_at(in->err, ERROR_INPUT, in->path, 0, "%s %u holds a number out of range", what,
@@ -140,7 +153,8 @@ static bool odd_number(const PlyBytes *in, const char *what, uint32_t number)
 static bool parse_vertices(SolvedMesh *mesh, PlyBytes *in)
 {
     const uint32_t n = mesh->vertex_count;
-    if ((size_t)(in->end - in->at) / PLY_VERTEX_BYTES < n)
+    const size_t place = mesh->far ? 24 : 12;
+    if ((size_t)(in->end - in->at) / (place + PLY_VERTEX_BYTES) < n)
         return cut_off(in, "vertices");
     mesh->position = array_create(n, sizeof *mesh->position, "vertices", in->err);
     mesh->irradiance = array_create(3 * (size_t)n, sizeof *mesh->irradiance, "vertices", in->err);
@@ -148,7 +162,9 @@ static bool parse_vertices(SolvedMesh *mesh, PlyBytes *in)
         return false;
     for (uint32_t i = 0; i < n; i++, in->at += PLY_VERTEX_BYTES) {
         double p[3];
-        if (!get_bands(in->at, p) ||
+        const bool known = mesh->far ? get_doubles(in->at, p) : get_bands(in->at, p);
+        in->at += place;
+        if (!known ||
             !get_bands(in->at + PLY_VERTEX_IRRADIANCE, mesh->irradiance + 3 * (size_t)i))
             return odd_number(in, "vertex", i);
         mesh->position[i] = vec3(p[0], p[1], p[2]);
@@ -252,6 +268,12 @@ bool solved_mesh_read(SolvedMesh *mesh, const char *path, Error *err)
     const bool good = solved_mesh_parse(mesh, (const uint8_t *)bytes, size, path, err);
     array_free(bytes);
     return good;
+}
+
+void solved_mesh_move(SolvedMesh *mesh, Vec3 by)
+{
+    for (uint32_t i = 0; i < mesh->vertex_count; i++)
+        mesh->position[i] = vec3_sub(mesh->position[i], by);
 }
 
 void solved_mesh_clear(SolvedMesh *mesh)

@@ -7,6 +7,7 @@
 #ifndef APP_PLY_READ_H
 #define APP_PLY_READ_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -17,16 +18,19 @@
  * of corners comes first. */
 #define PLY_BANDS(name) "property float " name "_r\nproperty float " name "_g\n" \
                         "property float " name "_b\n"
-#define PLY_VERTEX_LAYOUT "property float x\nproperty float y\nproperty float z\n"            \
-                          "property uchar red\nproperty uchar green\nproperty uchar blue\n"   \
+#define PLY_FLOATS "property float x\nproperty float y\nproperty float z\n"
+/* Where the scene lies far from the origin. */
+#define PLY_DOUBLES "property double x\nproperty double y\nproperty double z\n"
+#define PLY_VERTEX_LAYOUT "property uchar red\nproperty uchar green\nproperty uchar blue\n"   \
                           PLY_BANDS("radiosity") PLY_BANDS("irradiance")
 #define PLY_FACE_LAYOUT "property int patch\nproperty int surface\nproperty int side\n"       \
                         "property int group\nproperty int material\nproperty float area\n"    \
                         "property float visible_area\n"                                       \
                         PLY_BANDS("radiosity") PLY_BANDS("irradiance") PLY_BANDS("reflectance")
-/* Bytes of a vertex, and of a face after its corners; where in them what is read stands. */
+/* Bytes of a vertex after its position, and of a face after its corners; where in them what is read
+ * stands. */
 enum {
-    PLY_VERTEX_BYTES = 39, PLY_VERTEX_IRRADIANCE = 27,
+    PLY_VERTEX_BYTES = 27, PLY_VERTEX_IRRADIANCE = 15,
     PLY_FACE_BYTES = 64, PLY_FACE_PATCH = 0, PLY_FACE_SIDE = 8, PLY_FACE_GROUP = 12,
     PLY_FACE_AREA = 20, PLY_FACE_VISIBLE = 24, PLY_FACE_IRRADIANCE = 40
 };
@@ -34,6 +38,7 @@ enum {
 typedef struct {
     uint32_t  vertex_count, face_count, group_count;
     Vec3     *position;       /* [vertex_count] */
+    bool      far;            /* positions are doubles, for they are far from the origin */
     double   *irradiance;     /* [3 * vertex_count] */
     uint32_t *first_corner;   /* [face_count + 1] */
     uint32_t *corner;         /* [first_corner[face_count]] */
@@ -52,6 +57,8 @@ bool solved_mesh_read(SolvedMesh *mesh, const char *path, Error *err);
 /* The same from bytes; `path` is for messages. */
 bool solved_mesh_parse(SolvedMesh *mesh, const uint8_t *bytes, size_t size, const char *path,
                        Error *err);
+/* Takes `by` from all positions. */
+void solved_mesh_move(SolvedMesh *mesh, Vec3 by);
 void solved_mesh_clear(SolvedMesh *mesh);
 
 #endif

@@ -31,6 +31,8 @@ static void put_scene(Json *json, const Pipeline *pipeline)
     json_count(json, "lights", scene->light_count);
     json_count(json, "cameras", scene->camera_count);
     if (polygons_bounds(soup, &lo, &hi)) {
+        lo = scene_to_file(scene, lo);
+        hi = scene_to_file(scene, hi);
         json_open(json, "bounds", '[');
         json_numbers(json, NULL, (double[]){ lo.x, lo.y, lo.z }, 3);
         json_numbers(json, NULL, (double[]){ hi.x, hi.y, hi.z }, 3);

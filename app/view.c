@@ -29,12 +29,14 @@ static bool camera_by_name(Pipeline *pipeline, const char *name, Error *err)
 static bool camera_of_own(Pipeline *pipeline, Error *err)
 {
     const Options *options = &pipeline->session->options;
+    const Scene *scene = pipeline->scene;
     const Vec3 middle = vec3_lerp(pipeline->surfaces->lo, pipeline->surfaces->hi, 0.5);
     const bool aimed = options_given(options, OPTION_TARGET);
-    pipeline->camera = (Camera){ .name = "own", .eye = options->eye, .vertical_fov = OWN_FOV,
-                                 .target = aimed ? options->target : middle,
-                                 .up = pipeline->scene->up };
-    if (!(vec3_length(vec3_sub(pipeline->camera.target, options->eye)) > 0))
+    pipeline->camera = (Camera){ .name = "own", .eye = scene_from_file(scene, options->eye),
+                                 .vertical_fov = OWN_FOV,
+                                 .target = aimed ? scene_from_file(scene, options->target) : middle,
+                                 .up = scene->up };
+    if (!(vec3_length(vec3_sub(pipeline->camera.target, pipeline->camera.eye)) > 0))
         return error_set(err, ERROR_USAGE, "--eye and --target are the same point");
     return true;
 }

@@ -24,8 +24,8 @@ static bool is_contact(const Imprint *im, uint32_t polygon, Vec3 p, Vec3 q)
     const Polygons *soup = &im->soup;
     const uint32_t first = soup->first[polygon], last = soup->first[polygon + 1] - 1;
     /* Twice: welding has moved both the ends of the one and of the other. */
-    const double tolerance = 2 * position_tolerance(fmax(largest_coordinate(p),
-                                                         largest_coordinate(q)));
+    const double tolerance = 2 * polygons_tolerance(soup, fmax(largest_coordinate(p),
+                                                               largest_coordinate(q)));
     for (uint32_t k = first; k <= last; k++) {
         if (!soup->contact[k])
             continue;

@@ -28,8 +28,8 @@ static void measure_part(const ImprintParts *parts, ImprintPart *part)
         level += vec3_dot(part->normal, p) / part->count;
     }
     part->level = level;
-    part->tolerance = position_tolerance(fmax(largest_coordinate(part->lo),
-                                              largest_coordinate(part->hi)));
+    part->tolerance = polygons_tolerance(parts->soup, fmax(largest_coordinate(part->lo),
+                                                           largest_coordinate(part->hi)));
 }
 
 /* Flat, turning one way at each corner, and once round in all. */

@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "math/rgb.h"
 #include "math/shape.h"
+#include "math/tolerance.h"
 #include "math/vec3.h"
 
 typedef struct {
@@ -48,6 +49,8 @@ typedef struct {
     uint8_t  *contact;       /* NULL, or [first[polygon_count]]  1: another face stands on the edge
                                 from this corner to the next (inspect/imprint.h), and the faces at
                                 either side are never made one */
+    double    grain;         /* what positions are known to, when that is coarser than their size
+                                says: they were floats far from the origin; else 0 */
     size_t    vertex_count, polygon_count;
     size_t    vertex_capacity, corner_capacity, polygon_capacity;   /* of the arrays above */
     /* exact curved faces */
@@ -84,6 +87,13 @@ bool polygons_append(Polygons *soup, const Polygons *other, const Affine *map, u
 
 /* Grey 0.5, nothing else. */
 Material material_default(void);
+
+/* How far apart two positions may be that mean one point (math/tolerance.h), of faces that reach
+ * out to `largest`. */
+static inline double polygons_tolerance(const Polygons *soup, double largest)
+{
+    return fmax(position_tolerance(largest), soup->grain);
+}
 
 /* Box around everything, shapes included; false when there is nothing finite. */
 bool polygons_bounds(const Polygons *soup, Vec3 *lo, Vec3 *hi);

@@ -24,7 +24,7 @@ static double *weld_tolerances(const Polygons *soup, const SurfaceOptions *optio
         double largest = 0;
         for (uint32_t i = soup->first[f]; i < soup->first[f + 1]; i++)
             largest = fmax(largest, largest_coordinate(soup->position[soup->corner[i]]));
-        const double derived = position_tolerance(largest);
+        const double derived = polygons_tolerance(soup, largest);
         const double wanted = options->keep_apart ? 0 : options->weld > 0 ? options->weld : derived;
         for (uint32_t i = soup->first[f]; i < soup->first[f + 1]; i++)
             tolerance[soup->corner[i]] = fmax(tolerance[soup->corner[i]], wanted);

@@ -38,8 +38,8 @@ bool soup_contact(const Polygons *soup, uint32_t face, Vec3 p, Vec3 q)
     if (soup->contact == NULL)
         return false;
     const uint32_t first = soup->first[face], last = soup->first[face + 1] - 1;
-    const double tolerance = position_tolerance(fmax(largest_coordinate(p),
-                                                     largest_coordinate(q)));
+    const double tolerance = polygons_tolerance(soup, fmax(largest_coordinate(p),
+                                                           largest_coordinate(q)));
     for (uint32_t k = first; k <= last; k++) {
         const Vec3 a = soup->position[soup->corner[k]];
         const Vec3 b = soup->position[soup->corner[k == last ? first : k + 1]];

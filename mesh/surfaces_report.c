@@ -24,7 +24,7 @@ double repair_reach(const Repair *repair, Vec3 p, Vec3 q)
     if (repair->options->weld > 0)
         return repair->options->weld;
     const Vec3 most = vec3_max(vec3_max(p, q), vec3_scale(vec3_min(p, q), -1));
-    return position_tolerance(fmax(most.x, fmax(most.y, most.z)));
+    return polygons_tolerance(repair->soup, fmax(most.x, fmax(most.y, most.z)));
 }
 
 void repair_tell(const Repair *repair, const Monitor *monitor)

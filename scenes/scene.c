@@ -173,6 +173,8 @@ Scene *scene_read(const char *path, const SceneReadOptions *options, Error *err)
     if (options == NULL)
         options = &usual;
     Scene *scene = msd ? scene_read_msd(path, options, err) : scene_read_import(path, options, err);
+    if (scene != NULL && !scene_recentre(scene, options->monitor, err))
+        scene = scene_destroy(scene);
     assert(scene == NULL || scene_check(scene));
     return scene;
 }

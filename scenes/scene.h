@@ -31,6 +31,8 @@ typedef struct {
     int        width, height;    /* SCREEN's size; 0: not given */
     Rgb        background;       /* radiance of what no surface hides; lights nothing */
     Rgb        ambient;          /* AMB_LIGHT, kept for the Whitted renderer */
+    Vec3       origin;           /* of the positions in here, in the file's coordinates: 0, or where
+                                    a scene far from the origin was moved from (scene_recentre) */
     Vec3       up;               /* of the file's format: y for OBJ, glTF, z for MSD without SCREEN,
                                     STL ...; from SCREEN's UP when there is one; unit */
     bool       has_screen;       /* the file names a view */
@@ -51,6 +53,18 @@ typedef struct {
 Scene *scene_read(const char *path, const SceneReadOptions *options, Error *err);
 
 Scene *scene_destroy(Scene *scene);
+
+/* Moves a scene that is far from the origin, compared with its size, next to it; scene_read has
+ * done so. Exact: the way is a multiple of a power of two about as large as the scene. Warns when
+ * the coordinates are floats too coarse for it ("coordinates-coarse").
+ * fails  false and ERROR_INPUT when a shape cannot be moved. */
+bool scene_recentre(Scene *scene, const Monitor *monitor, Error *err);
+/* Between the file's coordinates and those in here. */
+static inline Vec3 scene_to_file(const Scene *scene, Vec3 p) { return vec3_add(p, scene->origin); }
+static inline Vec3 scene_from_file(const Scene *scene, Vec3 p)
+{
+    return vec3_sub(p, scene->origin);
+}
 
 /* An empty scene for readers and tests. */
 Scene *scene_create(const char *file, Error *err);

@@ -103,7 +103,7 @@ static void square_file(Bytes *b, const Square *s)
     snprintf(line, sizeof line, "\ncomment material 0 m\nelement vertex %u\n",
              (s->n + 1) * (s->m + 1));
     put_text(b, line);
-    put_text(b, PLY_VERTEX_LAYOUT);
+    put_text(b, PLY_FLOATS PLY_VERTEX_LAYOUT);
     snprintf(line, sizeof line, "element face %u\nproperty list uchar int vertex_indices\n",
              s->n * s->m);
     put_text(b, line);
