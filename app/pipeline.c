@@ -349,8 +349,7 @@ static bool close_links(Pipeline *pipeline, Error *err)
         return false;
     links_destroy(pipeline->links);
     pipeline->links = closed;
-    links_report(closed, &pipeline->report);
-    return true;
+    return links_report(closed, &pipeline->report, err);
 }
 
 bool pipeline_factors(Pipeline *pipeline, Error *err)
@@ -378,7 +377,8 @@ bool pipeline_factors(Pipeline *pipeline, Error *err)
         !pipeline_adapt(pipeline, lo.max_bytes, &pipeline->adapt, err))
         return false;
     pipeline->factors_seconds = pipeline->links->seconds;
-    links_report(pipeline->links, &pipeline->raw);
+    if (!links_report(pipeline->links, &pipeline->raw, err))
+        return false;
     pipeline->report = pipeline->raw;
     const bool closed = close_links(pipeline, err);
     pipeline_note(pipeline, STAGE_FACTORS, begin);

@@ -7,6 +7,7 @@
 
 #include "radiosity/kept_rows.h"
 #include "radiosity/links.h"
+#include "radiosity/links_store.h"
 #include "radiosity/room.h"
 #include "radiosity/sides.h"
 #include "radiosity/solve.h"
@@ -29,6 +30,7 @@ typedef struct {
     double             *source;         /* [count * bands]  E + rho H0 */
     double             *power;          /* [bands]  sum of A (E + rho H0) */
     double             *chunk_sum;      /* [chunks * bands]  scratch of solve_apply */
+    LinksScratch       *scratch;        /* [threads]  for rows that are packed */
 } SolveSystem;
 
 /* next = E + rho (H0 + F radiosity) in parallel; `irradiance` gets H0 + F radiosity unless NULL.
@@ -36,9 +38,9 @@ typedef struct {
 double solve_apply(const SolveSystem *system, const double *radiosity, double *next,
                    double *irradiance);
 
-/* H0 + F radiosity of one patch into out[bands]. */
+/* H0 + F radiosity of one patch into out[bands], by the thread that is `worker`. */
 void solve_gather_row(const SolveSystem *system, const double *radiosity, uint32_t patch,
-                      double *out);
+                      unsigned worker, double *out);
 
 /* max over bands of sum[b] / power[b]; a band without power has nothing to miss. */
 double solve_relative(const SolveSystem *system, const double *sum);
@@ -210,6 +212,7 @@ typedef struct {
     float      *form_factor;
     uint64_t    links, cast, clamped; /* cast, clamped: what was counted for it */
     atomic_bool done;                 /* all of it is there, for whoever sees this set */
+    uint64_t    mapped;               /* bytes of the file that both arrays lie in; 0: memory */
 } RowChunk;
 
 /* The chunk that a thread is at. */
@@ -229,6 +232,7 @@ typedef struct {
     unsigned    threads;
     RowTile    *tile;      /* [threads] */
     RowBuffer  *buffer;    /* [threads] */
+    const char *folder;    /* of files that chunks and links lie in; NULL: memory */
     RowChunk   *chunk;     /* [chunks] */
     uint32_t    chunks, count;
     uint32_t   *length;    /* [count]  links in the row */
@@ -267,19 +271,6 @@ void row_maker_keep(RowMaker *maker, uint32_t begin, unsigned worker);
 Links *row_maker_gather(RowMaker *maker, Error *err);
 
 /* --- links ------------------------------------------------------------------------------------ */
-
-/* The links by source: column j of F. */
-typedef struct {
-    uint64_t *first;        /* [count + 1] */
-    uint32_t *receiver;     /* [first[count]]  rising within a column */
-    float    *form_factor;  /* [first[count]]  from receiver to the column's source */
-} LinkColumns;
-
-bool link_columns_create(const Links *links, LinkColumns *columns, Error *err);
-void link_columns_clear(LinkColumns *columns);
-
-/* Rows without content: first, escape and area are zero; room for `nonzeros` links. */
-Links *links_allocate(uint32_t count, uint64_t nonzeros, Error *err);
 
 /* Both estimates of each pair made one: form_factor of the result holds S_ij = A_i F_ij, symmetric
  * bit for bit. Pairs nobody sees, or with a patch that is hidden or sees nothing, are left out. */

@@ -35,12 +35,13 @@ static double bytes_needed(const RowMaker *m, double links_per_row)
     return m->count * (links_per_row * per_link + per_row);
 }
 
-static bool check_memory(RowMaker *m, uint64_t max_bytes, Error *err)
+static bool check_memory(RowMaker *m, const LinksOptions *options, Error *err)
 {
     RowTile *tile = &m->tile[0];
-    if (max_bytes == 0 || m->count == 0)
+    const double most = (double)options->max_bytes;
+    if (options->max_bytes == 0 || m->count == 0)
         return true;
-    if (bytes_needed(m, (double)tile->all.rays + tile->all.lamp_rays) <= (double)max_bytes)
+    if (bytes_needed(m, (double)tile->all.rays + tile->all.lamp_rays) <= most)
         return true; /* even if no two rays met the same patch */
     const uint32_t pilots = m->count < PILOT_ROWS ? m->count : PILOT_ROWS;
     uint64_t links = 0;
@@ -51,12 +52,7 @@ static bool check_memory(RowMaker *m, uint64_t max_bytes, Error *err)
     }
     const double needed = PILOT_MARGIN * bytes_needed(m, (double)links / pilots);
     tile->cast = tile->clamped = 0;
-    if (needed <= (double)max_bytes)
-        return true;
-    return error_set(err, ERROR_MEMORY,
-                     "form factors of %u patches with %u rays each need about %.0f MiB, %.0f MiB "
-                     "are allowed: use fewer rays or larger patches", m->count, tile->all.rays,
-                     ceil(needed / 0x1p20), (double)max_bytes / 0x1p20);
+    return links_choose_folder(needed, m->count, options, &m->folder, err);
 }
 
 Links *links_create(const Room *room, const LinksOptions *options, const Monitor *monitor,
@@ -69,7 +65,7 @@ Links *links_create(const Room *room, const LinksOptions *options, const Monitor
     Links *links = NULL;
     const Progress progress = { .stage = "factors", .done = 1, .energy_left = -1 };
     if (row_maker_create(&maker, room, options, err) &&
-        check_memory(&maker, options->max_bytes, err)) {
+        check_memory(&maker, options, err)) {
         if (parallel_for(maker.count, MAKER_CHUNK, maker.threads, cast_chunk, &maker, monitor,
                          &progress))
             links = row_maker_gather(&maker, err);

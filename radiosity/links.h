@@ -25,7 +25,9 @@ typedef struct {
     uint32_t lamp_rays;   /* visibility rays per patch to emitting patches; 0: rays / 4 */
     uint32_t seed;
     unsigned threads;
-    uint64_t max_bytes;   /* refuse with ERROR_MEMORY before more than this is taken; 0: no limit */
+    uint64_t max_bytes;   /* that may be taken; 0: no limit */
+    const char *folder;   /* where more than that goes, into files without a name that are mapped;
+                             NULL: refuse with ERROR_MEMORY before it is taken */
     struct KeptRows *kept; /* rows of an earlier run to go on from, and where finished ones can be
                               saved from (radiosity/kept_rows.h); NULL: none */
 } LinksOptions;
@@ -41,7 +43,25 @@ typedef struct {
     uint64_t  rays;         /* cast */
     uint64_t  clamped;      /* factors that chance put above 1: limited to it */
     double    seconds;
+    /* where the links lie; { 0 }: in memory, as above */
+    uint64_t  mapped;       /* bytes of the mapped file they lie in */
+    char     *folder;       /* of that file, and of those of links made from these */
+    uint16_t *packed;       /* [2 * first[count]]  in place of source, form_factor (links_pack) */
+    float    *scale;        /* [count]  of packed rows */
 } Links;
+
+/* One row, as it lies or unpacked. */
+typedef struct {
+    const uint32_t *source;      /* [count]  rising, but for links with factor 0 of packed rows */
+    const float    *form_factor; /* [count] */
+    uint64_t        count;
+} LinksRow;
+
+/* Room for one unpacked row: one for each thread that reads rows. */
+typedef struct {
+    uint32_t *source;
+    float    *form_factor;
+} LinksScratch;
 
 /* How far rows and pairs are from what must hold; relative row sums |sum_j F_ij + escape - 1|;
  * reciprocity |A_i F_ij - A_j F_ji| / max over the larger row's area. */
@@ -52,9 +72,18 @@ typedef struct {
     uint64_t nonzeros, bytes;
 } LinksReport;
 
+/* What enforcing has changed. */
+typedef struct {
+    double   largest;       /* |after - before| of a factor */
+    double   before, after; /* that factor */
+    uint32_t row, column;
+    double   escape;        /* the same of a row's escaped share */
+} LinksChange;
+
 /* Casts all rays.
  * owns   the caller frees with links_destroy.
- * fails  NULL; ERROR_MEMORY, also over max_bytes, with what it would take; ERROR_STOPPED. */
+ * fails  NULL; ERROR_MEMORY, also over max_bytes, with what it would take, and where the disk is
+ *        too small; ERROR_STOPPED. */
 Links *links_create(const Room *room, const LinksOptions *options, const Monitor *monitor,
                     Error *err);
 /* Links of a room whose patches were divided further (patches_split): old are the links before, as
@@ -67,8 +96,13 @@ Links *links_refine(const Links *old, const Room *room, const uint32_t *parent,
                     const LinksOptions *options, const Monitor *monitor, Error *err);
 /* Frees; NULL is allowed. Always returns NULL. */
 Links *links_destroy(Links *links);
-/* Measures the links as they are. */
-void   links_report(const Links *links, LinksReport *report);
+/* Measures the links as they are; not packed.
+ * fails  false; ERROR_MEMORY. */
+bool   links_report(const Links *links, LinksReport *report, Error *err);
+/* Compares two links between the same patches, one enforced from the other; not packed. */
+void   links_change(const Links *before, const Links *after, LinksChange *change);
+/* Bytes of the links, wherever they lie. */
+uint64_t links_bytes(const Links *links);
 /* Invariants: rows in order, sources rising and < count, 0 <= F <= 1, escape in [0, 1]. */
 bool   links_check(const Links *links);
 
@@ -88,5 +122,34 @@ bool   links_check(const Links *links);
  *        ("closure-missed"). */
 Links *links_close(const Links *links, Closure closure, unsigned threads, const Monitor *monitor,
                    Error *err);
+
+/* --- rows wherever they lie ------------------------------------------------------------------- */
+
+/* The same links in half the bytes: 16 bits a factor, 16 the way to its source. Each factor is
+ * rounded by at most 2^-11 of itself (less than 2^-31 of its row's largest becomes that); rows keep
+ * their sums. *rounding gets the largest share by which a factor has changed.
+ * folder  NULL: in memory; else in a mapped file there.
+ * fails   NULL; ERROR_MEMORY. */
+Links *links_pack(const Links *links, const char *folder, unsigned threads, double *rounding,
+                  Error *err);
+
+/* Does nothing, and takes nothing, for links that are not packed. */
+bool links_scratch_create(const Links *links, LinksScratch *scratch, Error *err);
+void links_scratch_clear(LinksScratch *scratch);
+LinksRow links_unpack_row(const Links *links, uint32_t i, LinksScratch *scratch);
+
+/* Row i; it holds until the scratch is used again.
+ * hot  checks nothing. */
+static inline LinksRow links_row(const Links *links, uint32_t i, LinksScratch *scratch)
+{
+    const uint64_t first = links->first[i];
+    if (links->packed != NULL)
+        return links_unpack_row(links, i, scratch);
+    return (LinksRow){ &links->source[first], &links->form_factor[first],
+                       links->first[i + 1] - first };
+}
+
+/* Rows begin..end-1 are not needed for now: mapped ones leave the process's memory. */
+void links_leave(const Links *links, uint32_t begin, uint32_t end);
 
 #endif

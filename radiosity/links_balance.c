@@ -92,6 +92,7 @@ static void multiply_chunk(void *context, uint32_t begin, uint32_t end, unsigned
         b->sum_plain[i] = plain * b->plain[i];
         b->sum_thin[i] = thin * b->thin[i];
     }
+    links_leave(pairs, begin, end);
 }
 
 /* Row sums of S' with each column scaled by `by` (NULL: 1), pairs of the two kinds apart. */
@@ -289,6 +290,7 @@ static void scale_chunk(void *context, uint32_t begin, uint32_t end, unsigned wo
             pairs->form_factor[k] =
                 (float)fmin(pairs->form_factor[k] * factor / pairs->area[i], 1);
         }
+    links_leave(pairs, begin, end);
 }
 
 static bool balance_init(Balance *b, Error *err)

@@ -10,12 +10,17 @@
 static Links *copy(const Links *links, Error *err)
 {
     const uint64_t nonzeros = links->first[links->count];
-    Links *out = links_allocate(links->count, nonzeros, err);
+    Links *out = links_allocate_in(links->count, nonzeros, links->folder, err);
     if (out == NULL)
         return NULL;
     memcpy(out->first, links->first, ((size_t)links->count + 1) * sizeof *out->first);
-    memcpy(out->source, links->source, nonzeros * sizeof *out->source);
-    memcpy(out->form_factor, links->form_factor, nonzeros * sizeof *out->form_factor);
+    for (uint32_t i = 0; i < links->count; i++) {
+        const uint64_t at = links->first[i], n = links->first[i + 1] - at;
+        memcpy(&out->source[at], &links->source[at], n * sizeof *out->source);
+        memcpy(&out->form_factor[at], &links->form_factor[at], n * sizeof *out->form_factor);
+        links_pass(links, i);
+        links_pass(out, i);
+    }
     memcpy(out->escape, links->escape, links->count * sizeof *out->escape);
     memcpy(out->area, links->area, links->count * sizeof *out->area);
     if (links->lamp != NULL)
@@ -34,6 +39,7 @@ static void scale_rows(Links *links)
 {
     for (uint32_t i = 0; i < links->count; i++) {
         double lamps = 0, others = links->escape[i];
+        links_pass(links, i);
         for (uint64_t k = links->first[i]; k < links->first[i + 1]; k++)
             *(is_lamp(links, links->source[k]) ? &lamps : &others) += links->form_factor[k];
         if (!(lamps + others > 0))
@@ -50,9 +56,11 @@ static void scale_rows(Links *links)
 /* Pairs S_ij back to factors S_ij / A_i. */
 static void divide_by_area(Links *pairs)
 {
-    for (uint32_t i = 0; i < pairs->count; i++)
+    for (uint32_t i = 0; i < pairs->count; i++) {
         for (uint64_t k = pairs->first[i]; k < pairs->first[i + 1]; k++)
             pairs->form_factor[k] = (float)fmin(pairs->form_factor[k] / pairs->area[i], 1);
+        links_pass(pairs, i);
+    }
 }
 
 /* Finds patches without partner: they send all they have out of the scene, for there is no one left

@@ -33,26 +33,28 @@ static double pair_value(const Links *links, uint32_t i, uint32_t j, double f, d
 }
 
 typedef struct {
-    const Links       *links;
-    const LinkColumns *columns;
-    uint64_t          *length; /* [count + 1]  links in row i at i + 1 */
-    Links             *out;    /* NULL: only count */
+    const Links   *links;
+    const uint64_t *total;  /* [count + 1]  links in all columns before */
+    LinkColumns    columns; /* the block at hand */
+    uint64_t      *length;  /* [count + 1]  links in row i at i + 1 */
+    Links         *out;     /* NULL: only count */
 } Pairing;
 
 /* Merges row i and column i, both sorted, into the row of pairs. */
 static void pair_row(Pairing *p, uint32_t i)
 {
     const Links *links = p->links;
-    uint64_t r = links->first[i], c = p->columns->first[i];
-    const uint64_t r_end = links->first[i + 1], c_end = p->columns->first[i + 1];
+    const LinkColumns *columns = &p->columns;
+    uint64_t r = links->first[i], c = columns->first[i - columns->begin];
+    const uint64_t r_end = links->first[i + 1], c_end = columns->first[i - columns->begin + 1];
     uint64_t at = p->out != NULL ? p->out->first[i] : 0;
     const uint64_t begin = at;
     while (r < r_end || c < c_end) {
         const uint32_t from_row = r < r_end ? links->source[r] : PATCH_NONE;
-        const uint32_t from_column = c < c_end ? p->columns->receiver[c] : PATCH_NONE;
+        const uint32_t from_column = c < c_end ? columns->receiver[c] : PATCH_NONE;
         const uint32_t j = from_row < from_column ? from_row : from_column;
         const double f = from_row == j ? links->form_factor[r++] : 0;
-        const double back = from_column == j ? p->columns->form_factor[c++] : 0;
+        const double back = from_column == j ? columns->form_factor[c++] : 0;
         const float s = (float)pair_value(links, i, j, f, back);
         if (!(s > 0))
             continue;
@@ -70,34 +72,63 @@ static void pair_row(Pairing *p, uint32_t i)
 
 static void pair_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
 {
+    Pairing *p = context;
+    const uint32_t base = p->columns.begin;
     (void)worker;
     for (uint32_t i = begin; i < end; i++)
-        pair_row(context, i);
+        pair_row(p, base + i);
+    links_leave(p->links, base + begin, base + end);
+    if (p->out != NULL)
+        links_leave(p->out, base + begin, base + end);
+}
+
+/* All rows, a block of columns at a time where links are mapped, else all at once: these columns
+ * stay for the second time. */
+static bool pair_rows(Pairing *p, unsigned threads, Error *err)
+{
+    const Links *links = p->links;
+    const uint64_t most = links->mapped > 0 ? COLUMN_BLOCK : UINT64_MAX;
+    for (uint32_t begin = 0, end; begin < links->count; begin = end) {
+        end = link_columns_end(p->total, links->count, begin, most);
+        if (p->columns.first == NULL || p->columns.begin != begin || p->columns.end != end) {
+            link_columns_clear(&p->columns);
+            if (!link_columns_create(links, p->total, begin, end, false, &p->columns, err))
+                return false;
+        }
+        parallel_for(end - begin, PAIR_CHUNK, threads, pair_chunk, p, NULL, NULL);
+    }
+    return true;
+}
+
+static void fill_rows(const Links *links, const uint64_t *length, Links *out)
+{
+    for (uint32_t i = 0; i < links->count; i++) {
+        out->first[i + 1] = length[i + 1];
+        out->escape[i] = links->escape[i];
+        out->area[i] = links->area[i];
+        out->lamp[i] = is_lamp(links, i);
+    }
 }
 
 Links *links_pairs(const Links *links, unsigned threads, Error *err)
 {
     const uint32_t count = links->count;
-    LinkColumns columns = { 0 };
     uint64_t *length = array_create((size_t)count + 1, sizeof *length, "pairs of links", err);
+    uint64_t *total = links_column_totals(links, err);
+    Pairing pairing = { .links = links, .total = total, .length = length };
     Links *out = NULL;
-    if (length != NULL && link_columns_create(links, &columns, err)) {
-        Pairing pairing = { links, &columns, length, NULL };
-        parallel_for(count, PAIR_CHUNK, threads, pair_chunk, &pairing, NULL, NULL);
+    if (length != NULL && total != NULL && pair_rows(&pairing, threads, err)) {
         for (uint32_t i = 0; i < count; i++)
             length[i + 1] += length[i];
-        pairing.out = out = links_allocate(count, length[count], err);
+        pairing.out = out = links_allocate_in(count, length[count], links->folder, err);
         if (out != NULL) {
-            for (uint32_t i = 0; i < count; i++) {
-                out->first[i + 1] = length[i + 1];
-                out->escape[i] = links->escape[i];
-                out->area[i] = links->area[i];
-                out->lamp[i] = is_lamp(links, i);
-            }
-            parallel_for(count, PAIR_CHUNK, threads, pair_chunk, &pairing, NULL, NULL);
+            fill_rows(links, length, out);
+            if (!pair_rows(&pairing, threads, err))
+                out = links_destroy(out);
         }
     }
-    link_columns_clear(&columns);
+    link_columns_clear(&pairing.columns);
     array_free(length);
+    array_free(total);
     return out;
 }

@@ -156,6 +156,9 @@ static void refine_chunk(void *context, uint32_t begin, uint32_t end, unsigned w
         row_maker_end(&r->maker, worker, i, fresh->escape[i], fresh->area[i]);
     }
     row_maker_keep(&r->maker, begin, worker);
+    /* Rows from anywhere were looked into. */
+    links_leave(fresh, 0, fresh->count);
+    links_leave(r->old, 0, r->old->count);
 }
 
 /* First part of each old patch, and how many are new. */
@@ -176,23 +179,18 @@ static uint32_t find_parts(Refining *r, uint32_t count)
 
 /* The rows cast, those kept and what both make, each link in eight bytes; of a row that is kept,
  * each link to a divided patch may become as many as it has parts. */
-static bool fits(const Refining *r, uint32_t parts, uint64_t max_bytes, Error *err)
+static bool fits(Refining *r, uint32_t parts, const LinksOptions *options, Error *err)
 {
     const Links *old = r->old;
     const double per_link = sizeof *old->source + sizeof *old->form_factor;
     const double per_row = old->count > 0 ? (double)old->first[old->count] / old->count : 0;
     double links = 3.0 * parts * per_row;
-    if (max_bytes == 0)
+    if (options->max_bytes == 0)
         return true;
     for (uint32_t o = 0; o < old->count; o++)
         for (uint64_t k = old->first[o]; !is_divided(r, o) && k < old->first[o + 1]; k++)
             links += 2.0 * (r->first[old->source[k] + 1] - r->first[old->source[k]]);
-    if (links * per_link <= (double)max_bytes)
-        return true;
-    return error_set(err, ERROR_MEMORY,
-                     "form factors of %u patches need about %.0f MiB, %.0f MiB are allowed: use "
-                     "fewer rays or larger patches", r->maker.count,
-                     ceil(links * per_link / 0x1p20), (double)max_bytes / 0x1p20);
+    return links_choose_folder(links * per_link, r->maker.count, options, &r->maker.folder, err);
 }
 
 /* Both steps on all threads; *fresh is the caller's. */
@@ -231,8 +229,7 @@ Links *links_refine(const Links *old, const Room *room, const uint32_t *parent,
     r.first = array_create((size_t)old->count + 1, sizeof *r.first, "parts of patches", err);
     if (r.first != NULL) {
         const uint32_t parts = find_parts(&r, room->patches->count);
-        if (row_maker_create(&r.maker, room, options, err) &&
-            fits(&r, parts, options->max_bytes, err))
+        if (row_maker_create(&r.maker, room, options, err) && fits(&r, parts, options, err))
             links = run(&r, &fresh, monitor, err);
         row_maker_clear(&r.maker);
     }

@@ -72,8 +72,7 @@ void row_maker_clear(RowMaker *m)
         array_free(m->buffer[k].form_factor);
     }
     for (uint32_t k = 0; k < m->chunks && m->chunk != NULL; k++) {
-        array_free(m->chunk[k].source);
-        array_free(m->chunk[k].form_factor);
+        links_chunk_free(&m->chunk[k].source, &m->chunk[k].form_factor, &m->chunk[k].mapped);
     }
     array_free(m->tile);
     array_free(m->buffer);
@@ -128,12 +127,13 @@ void row_maker_keep(RowMaker *m, uint32_t begin, unsigned worker)
     RowBuffer *b = &m->buffer[worker];
     RowChunk *chunk = &m->chunk[begin / MAKER_CHUNK];
     assert(begin % MAKER_CHUNK == 0 && b->row == b->links);
-    chunk->source = array_create(b->links, sizeof *chunk->source, what, &b->error);
-    chunk->form_factor = array_create(b->links, sizeof *chunk->form_factor, what, &b->error);
-    if (!error_is_set(&b->error) && b->links > 0) {
+    if (!error_is_set(&b->error) &&
+        links_chunk_create(b->links, m->folder, &chunk->source, &chunk->form_factor,
+                           &chunk->mapped, &b->error) && b->links > 0) {
         chunk->links = b->links;
         memcpy(chunk->source, b->source, b->links * sizeof *b->source);
         memcpy(chunk->form_factor, b->form_factor, b->links * sizeof *b->form_factor);
+        links_chunk_leave(chunk->source, chunk->mapped);
     }
     chunk->cast = m->tile[worker].cast - b->cast;
     chunk->clamped = m->tile[worker].clamped - b->clamped;
@@ -162,9 +162,12 @@ static void join_chunks(RowMaker *m, Links *links)
         at += chunk->links;
         chunk->links = 0;
         chunk->done = false;
-        chunk->source = array_free(chunk->source);
-        chunk->form_factor = array_free(chunk->form_factor);
+        links_chunk_free(&chunk->source, &chunk->form_factor, &chunk->mapped);
+        for (uint32_t i = k * MAKER_CHUNK; i < m->count && i < (k + 1) * MAKER_CHUNK; i++)
+            links->first[i + 1] = links->first[i] + m->length[i];
+        links_pass(links, k * MAKER_CHUNK);
     }
+    links_leave(links, 0, links->count);
 }
 
 Links *row_maker_gather(RowMaker *m, Error *err)
@@ -179,12 +182,11 @@ Links *row_maker_gather(RowMaker *m, Error *err)
         }
     for (uint32_t k = 0; k < m->chunks; k++)
         nonzeros += m->chunk[k].links;
-    Links *links = links_allocate(m->count, nonzeros, err);
+    Links *links = links_allocate_in(m->count, nonzeros, m->folder, err);
     if (links == NULL)
         return NULL;
     join_chunks(m, links);
     for (uint32_t i = 0; i < m->count; i++) {
-        links->first[i + 1] = links->first[i] + m->length[i];
         links->escape[i] = m->escape[i];
         links->area[i] = m->area[i];
         links->lamp[i] = m->tile[0].all.lamp_rays > 0 && m->lamps.probability[i] > 0;

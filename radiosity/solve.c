@@ -45,30 +45,28 @@ bool solver_from_name(const char *name, Solver *solver)
 /* --- one application of the operator ---------------------------------------------------------- */
 
 static void gather_row_any(const SolveSystem *system, const double *radiosity, uint32_t patch,
-                           double *out)
+                           const LinksRow *row, double *out)
 {
-    const Links *links = system->links;
     const unsigned bands = system->bands;
     const double *received = system->problem->received;
     for (unsigned b = 0; b < bands; b++)
         out[b] = received != NULL ? received[(size_t)patch * bands + b] : 0;
-    for (uint64_t k = links->first[patch]; k < links->first[patch + 1]; k++) {
-        const double *from = &radiosity[(size_t)links->source[k] * bands];
+    for (uint64_t k = 0; k < row->count; k++) {
+        const double *from = &radiosity[(size_t)row->source[k] * bands];
         for (unsigned b = 0; b < bands; b++)
-            out[b] += links->form_factor[k] * from[b];
+            out[b] += row->form_factor[k] * from[b];
     }
 }
 
 /* The same for three bands, the usual number, with the sums in registers. */
 static void gather_row_rgb(const SolveSystem *system, const double *radiosity, uint32_t patch,
-                           double *out)
+                           const LinksRow *row, double *out)
 {
-    const Links *links = system->links;
     const double *received = system->problem->received;
     double r = 0, g = 0, b = 0;
-    for (uint64_t k = links->first[patch]; k < links->first[patch + 1]; k++) {
-        const double *from = &radiosity[(size_t)links->source[k] * 3];
-        const double f = links->form_factor[k];
+    for (uint64_t k = 0; k < row->count; k++) {
+        const double *from = &radiosity[(size_t)row->source[k] * 3];
+        const double f = row->form_factor[k];
         r += f * from[0];
         g += f * from[1];
         b += f * from[2];
@@ -79,12 +77,13 @@ static void gather_row_rgb(const SolveSystem *system, const double *radiosity, u
 }
 
 void solve_gather_row(const SolveSystem *system, const double *radiosity, uint32_t patch,
-                      double *out)
+                      unsigned worker, double *out)
 {
+    const LinksRow row = links_row(system->links, patch, &system->scratch[worker]);
     if (system->bands == 3)
-        gather_row_rgb(system, radiosity, patch, out);
+        gather_row_rgb(system, radiosity, patch, &row, out);
     else
-        gather_row_any(system, radiosity, patch, out);
+        gather_row_any(system, radiosity, patch, &row, out);
 }
 
 typedef struct {
@@ -99,12 +98,11 @@ static void apply_chunk(void *context, uint32_t begin, uint32_t end, unsigned wo
     const SolveSystem *system = a->system;
     const unsigned bands = system->bands;
     double *sum = &system->chunk_sum[(size_t)(begin / ROW_CHUNK) * bands];
-    (void)worker;
     for (unsigned b = 0; b < bands; b++)
         sum[b] = 0;
     for (uint32_t i = begin; i < end; i++) {
         const size_t at = (size_t)i * bands;
-        solve_gather_row(system, a->radiosity, i, &a->next[at]);
+        solve_gather_row(system, a->radiosity, i, worker, &a->next[at]);
         for (unsigned b = 0; b < bands; b++) {
             const double received = a->next[at + b];
             if (a->irradiance != NULL)
@@ -114,6 +112,7 @@ static void apply_chunk(void *context, uint32_t begin, uint32_t end, unsigned wo
             sum[b] += system->links->area[i] * fabs(a->next[at + b] - a->radiosity[at + b]);
         }
     }
+    links_leave(system->links, begin, end);
 }
 
 double solve_relative(const SolveSystem *system, const double *sum)
@@ -224,10 +223,12 @@ static double find_contraction(const SolveSystem *system, double *sum)
     double q = 0;
     for (uint32_t i = 0; i < links->count; i++) {
         const double *rho = &system->problem->reflectance[(size_t)i * bands];
-        for (uint64_t k = links->first[i]; k < links->first[i + 1]; k++)
+        const LinksRow row = links_row(links, i, &system->scratch[0]);
+        for (uint64_t k = 0; k < row.count; k++)
             for (unsigned b = 0; b < bands; b++)
-                sum[(size_t)links->source[k] * bands + b] +=
-                    links->area[i] * links->form_factor[k] * rho[b];
+                sum[(size_t)row.source[k] * bands + b] +=
+                    links->area[i] * row.form_factor[k] * rho[b];
+        links_pass(links, i);
     }
     /* A patch without visible area has no row: its own value is exact from the start. */
     for (size_t k = 0; k < (size_t)links->count * bands; k++)
@@ -265,6 +266,9 @@ static void system_clear(SolveSystem *system)
     array_free(system->source);
     array_free(system->power);
     array_free(system->chunk_sum);
+    for (unsigned k = 0; k < system->threads && system->scratch != NULL; k++)
+        links_scratch_clear(&system->scratch[k]);
+    array_free(system->scratch);
     array_free(system->shown);
     array_free(system->after);
 }
@@ -275,7 +279,7 @@ static bool system_init(SolveSystem *system, const Links *links, const SolveProb
     const size_t bands = problem->bands, count = links->count;
     *system = (SolveSystem){
         .links = links, .problem = problem, .monitor = monitor, .bands = problem->bands,
-        .threads = options->threads, .options = options,
+        .threads = parallel_threads(options->threads), .options = options,
         .tolerance = options->tolerance > 0 ? options->tolerance : DEFAULT_TOLERANCE,
         .max_iterations = options->max_iterations > 0 ? options->max_iterations : UINT32_MAX,
     };
@@ -285,6 +289,9 @@ static bool system_init(SolveSystem *system, const Links *links, const SolveProb
     system->power = array_create(bands, sizeof *system->power, "the system", err);
     system->chunk_sum = array_create((count / ROW_CHUNK + 1) * bands, sizeof *system->chunk_sum,
                                      "the system", err);
+    system->scratch = array_create(system->threads, sizeof *system->scratch, "the system", err);
+    for (unsigned k = 0; k < system->threads && !error_is_set(err); k++)
+        links_scratch_create(links, &system->scratch[k], err);
     if (error_is_set(err))
         return false;
     for (size_t k = 0; k < count * bands; k++) {

@@ -104,15 +104,15 @@ static void product_rows(void *context, uint32_t begin, uint32_t end, unsigned w
 {
     const Product *p = context;
     const unsigned bands = p->system->bands;
-    (void)worker;
     for (uint32_t i = begin; i < end; i++) {
         double *out = &p->out[(size_t)i * bands];
-        solve_gather_row(p->system, p->scaled, i, out);
+        solve_gather_row(p->system, p->scaled, i, worker, out);
         for (unsigned b = 0; b < bands; b++) {
             const size_t at = (size_t)i * bands + b;
             out[b] = p->in[at] - p->after[at] * out[b];
         }
     }
+    links_leave(p->system->links, begin, end);
 }
 
 static void product(Product *p, const double *in, double *out)

@@ -89,12 +89,15 @@ static void fill_weights(Shooting *s)
 {
     const Links *links = s->system->links;
     const unsigned bands = s->system->bands;
-    for (uint32_t i = 0; i < links->count; i++)
-        for (uint64_t k = links->first[i]; k < links->first[i + 1]; k++)
+    for (uint32_t i = 0; i < links->count; i++) {
+        const LinksRow row = links_row(links, i, &s->system->scratch[0]);
+        for (uint64_t k = 0; k < row.count; k++)
             for (unsigned b = 0; b < bands; b++)
-                s->weight[(size_t)links->source[k] * bands + b] +=
-                    links->area[i] * links->form_factor[k] *
+                s->weight[(size_t)row.source[k] * bands + b] +=
+                    links->area[i] * row.form_factor[k] *
                     s->system->problem->reflectance[(size_t)i * bands + b];
+        links_pass(links, i);
+    }
 }
 
 /* Adds `gain` to what a patch has not shot in band b, and keeps the sums. */
@@ -147,6 +150,7 @@ static void shoot(Shooting *s, uint32_t shooter)
         set_key(s, i);
         tournament_update(s, i);
     }
+    link_columns_leave(&s->columns, shooter);
 }
 
 /* Light not yet shot will be spread over the whole room in the end: its mean irradiance
@@ -185,6 +189,17 @@ static void show_ambient(void *context, double *out)
     }
 }
 
+/* All columns; where the links lie in a file, so do these. */
+static bool make_columns(Shooting *s, Error *err)
+{
+    const Links *links = s->system->links;
+    uint64_t *total = links_column_totals(links, err);
+    const bool made = total != NULL && link_columns_create(links, total, 0, links->count, true,
+                                                           &s->columns, err);
+    array_free(total);
+    return made;
+}
+
 /* A start that was given counts as shot: what it lacks of the solution, or has too much, is
  * unshot. */
 static void shooting_start(Shooting *s)
@@ -216,7 +231,7 @@ static bool shooting_init(Shooting *s, const SolveSystem *system, Solution *solu
     s->sent = array_create(solution->bands, sizeof *s->sent, "a shot", err);
     s->key = array_create(count, sizeof *s->key, "unshot power", err);
     s->best = array_create(2 * (size_t)s->leaves, sizeof *s->best, "a tournament", err);
-    if (!link_columns_create(system->links, &s->columns, err) || error_is_set(err))
+    if (!make_columns(s, err) || error_is_set(err))
         return false;
     shooting_start(s);
     fill_weights(s);

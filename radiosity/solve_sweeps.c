@@ -42,12 +42,15 @@ bool solve_jacobi(const SolveSystem *system, Solution *solution, Error *err)
 }
 
 /* F_ii of every patch: curved patches may see themselves. */
-static void find_diagonal(const Links *links, float *diagonal)
+static void find_diagonal(const Links *links, LinksScratch *scratch, float *diagonal)
 {
-    for (uint32_t i = 0; i < links->count; i++)
-        for (uint64_t k = links->first[i]; k < links->first[i + 1]; k++)
-            if (links->source[k] == i)
-                diagonal[i] = links->form_factor[k];
+    for (uint32_t i = 0; i < links->count; i++) {
+        const LinksRow row = links_row(links, i, scratch);
+        for (uint64_t k = 0; k < row.count; k++)
+            if (row.source[k] == i)
+                diagonal[i] += row.form_factor[k];
+        links_pass(links, i);
+    }
 }
 
 typedef struct {
@@ -68,7 +71,8 @@ static void sweep(const Sweeper *s, double *radiosity)
     for (unsigned b = 0; b < bands; b++)
         s->moved[b] = 0;
     for (uint32_t i = 0; i < system->links->count; i++) {
-        solve_gather_row(system, radiosity, i, s->received);
+        solve_gather_row(system, radiosity, i, 0, s->received);
+        links_pass(system->links, i);
         for (unsigned b = 0; b < bands; b++) {
             const size_t at = (size_t)i * bands + b;
             const double rho = problem->reflectance[at];
@@ -99,7 +103,7 @@ static bool sweeper_create(Sweeper *s, const SolveSystem *system, Error *err)
     s->next = array_create((size_t)count * system->bands, sizeof *s->next,
                            "radiosity to compare with", err);
     if (!error_is_set(err))
-        find_diagonal(system->links, s->diagonal);
+        find_diagonal(system->links, &system->scratch[0], s->diagonal);
     return !error_is_set(err);
 }
 

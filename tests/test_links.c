@@ -42,7 +42,8 @@ static void test_cube_factors(void **state)
             assert_true(fabs(f - exact) <= (i == j ? 0 : allowed));
         }
     LinksReport report;
-    links_report(links, &report);
+    Error err = { 0 };
+    assert_true(links_report(links, &report, &err));
     /* Each row: 256 shares of 1/256 summed and stored in float. */
     assert_true(report.row_sum_error_max < 256 * 0x1p-24);
     assert_true(report.escaped == 0);
@@ -68,7 +69,8 @@ static void test_open_box(void **state)
     assert_true(fabs(floor - 0.199824896) < 3 * sqrt(0.2 * 0.8 / (16 * 256)));
     assert_true(fabs(wall - 0.200043776) < 3 * sqrt(0.2 * 0.8 / (64 * 256)));
     LinksReport report;
-    links_report(links, &report);
+    Error err = { 0 };
+    assert_true(links_report(links, &report, &err));
     assert_true(report.row_sum_error_max < 1e-6 && report.reciprocity_error_max < 1e-6);
     links_destroy(links);
     room_clear(&r);
@@ -141,7 +143,7 @@ static void check_furnace(const TestRoom *r, double rho)
     room_problem(r, &emission, &reflectance);
     Links *links = room_links(r, 256, CLOSURE_BOTH);
     LinksReport report;
-    links_report(links, &report);
+    assert_true(links_report(links, &report, &err));
     assert_true(report.row_sum_error_max < 1e-6 && report.reciprocity_error_max < 1e-6);
     const SolveProblem p = { .bands = ROOM_BANDS, .emission = emission,
                              .reflectance = reflectance };
@@ -393,7 +395,7 @@ static void test_closure_impossible(void **state)
     /* What can be: all of patch 1 goes to 2, half of 2 to 1, and the other half escapes. */
     assert_true(fabs(closed->form_factor[0] - 1) < 2e-2);
     LinksReport report;
-    links_report(closed, &report);
+    assert_true(links_report(closed, &report, &err));
     assert_true(report.row_sum_error_max < 1e-6 && report.reciprocity_error_max < 1e-6);
     links_destroy(closed);
 }
@@ -452,7 +454,7 @@ static void test_two_walls(void **state)
     Links *raw = room_links(&r, 256, CLOSURE_NONE);
     Links *links = links_close(raw, CLOSURE_BOTH, 0, &monitor, &err);
     LinksReport report;
-    links_report(links, &report);
+    assert_true(links_report(links, &report, &err));
     assert_int_equal(warnings.count, 0);
     assert_true(report.row_sum_error_max < 1e-6 && report.reciprocity_error_max < 1e-6);
     assert_true(fabs(report.escaped - (1 - 0.200043776)) < 3 * sqrt(0.2 * 0.8 / (200 * 256)));
