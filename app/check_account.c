@@ -27,14 +27,18 @@ static void mark_triangles(const Pipeline *pipeline, uint8_t *face)
     }
 }
 
-/* The reason why a face that is not there was left out: the last one listed for it. */
-static void find_reasons(const Pipeline *pipeline, const uint8_t *face, uint8_t *reason)
+/* The reason why a face that is not there was left out: the last one listed for it. Surfaces here
+ * are those of faces as they are in the file: what is under others is in them still. */
+static void find_reasons(const Pipeline *pipeline, uint8_t *face, uint8_t *reason)
 {
     const Defects *list = &pipeline->defects;
     for (size_t i = 0; i < list->count; i++) {
         const Defect *d = &list->item[i];
+        const bool    covered = d->kind == DEFECT_COVERED && d->repaired;
         const bool    leaves = d->kind == DEFECT_DEGENERATE || d->kind == DEFECT_NONFINITE ||
-                               d->kind == DEFECT_DUPLICATE;
+                               d->kind == DEFECT_DUPLICATE || covered;
+        if (covered)
+            face[d->face] = 0;
         if (leaves && face[d->face] == 0)
             reason[d->face] = (uint8_t)(d->kind + 1);
     }

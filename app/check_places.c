@@ -19,6 +19,9 @@ static const char *measure_word(DefectKind kind)
     case DEFECT_INSIDE_SOLID: return "across";
     case DEFECT_NONPLANAR:    return "off its plane";
     case DEFECT_NONMANIFOLD:  return "faces";
+    case DEFECT_COVERED:
+    case DEFECT_COVERED_PART: return "left out";
+    case DEFECT_CUT:          return "pieces";
     default:                  return NULL;
     }
 }

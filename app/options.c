@@ -58,7 +58,7 @@ static const OptionRow option_rows[OPTION_COUNT] = {
     { OPTION_LEAST_SIZE, "--least-size", "L", SOLVING, KIND_NUMBER, FIELD(least_size), 1e-30, BIG,
       NULL, "--adapt makes no patch edge shorter (default 1/16 of the greatest)" },
     { OPTION_REPAIR, "--repair", "LIST", READING, KIND_SET, FIELD(repair), 0, 0,
-      "weld,duplicates,junctions,nonmanifold,winding",
+      "weld,duplicates,junctions,nonmanifold,winding,cuts,covered",
       "all (default), none, or a list; all,-winding leaves one out" },
     { OPTION_WELD, "--weld", "L", READING, KIND_NUMBER, FIELD(weld), 0, BIG, NULL,
       "corners nearer than this are one (default: from the scene's rounding)" },

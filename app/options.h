@@ -41,6 +41,8 @@ typedef enum {
     REPAIR_JUNCTIONS,
     REPAIR_NONMANIFOLD,
     REPAIR_WINDING,
+    REPAIR_CUTS,
+    REPAIR_COVERED,
     REPAIR_COUNT
 } RepairBit;
 

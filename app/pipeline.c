@@ -9,15 +9,11 @@
 #include "app/pipeline_adapt.h"
 #include "app/trace.h"
 #include "base/array.h"
-#include "inspect/imprint.h"
 #include "math/tolerance.h"
 #include "scenes/ceiling_light.h"
 
 /* What is asked of closed factors: row sums, reciprocity and balance to 1e-6. */
 static const double CLOSURE_TOLERANCE = 1e-6;
-
-/* Pieces that faces are cut into where others touch them, however few patches are asked for. */
-enum { PIECES_LEAST = 10000 };
 
 /* In a hurry, factors are cast again with this many rays in all: about a second's work. */
 enum { HURRY_RAYS = 1 << 20, HURRY_RAYS_LEAST = 8, HURRY_SIDE_RAYS = 8 };
@@ -123,18 +119,11 @@ static bool build_surfaces(Pipeline *pipeline, bool last, Error *err)
     const Session *session = pipeline->session;
     const Polygons *soup = &pipeline->scene->polygons;
     const bool check = session->options.command == COMMAND_CHECK;
-    /* Few patches are no reason to leave faces uncut. */
-    const uint32_t patches = session->settings.patches;
-    const ImprintOptions io = { .most = patches > PIECES_LEAST ? patches : PIECES_LEAST };
     Imprint imprint = { 0 };
-    Monitor quiet = session->monitor;
-    if (!last)
-        quiet.warn = NULL;
     defects_clear(&pipeline->defects);
     /* What is wrong with a file is looked for in its faces as they are. */
-    const bool cut = !check && imprint_create(soup, &io, &imprint, &quiet, &found);
-    imprint.soup.origin = imprint.face;
-    if (cut || check || hurry_instead(pipeline, &found))
+    const bool cut = pipeline_imprint(pipeline, last, &imprint, &found);
+    if (!error_is_set(&found) || hurry_instead(pipeline, &found))
         pipeline->surfaces = surfaces_repair(cut ? &imprint.soup : soup,
                                              &session->settings.repair,
                                              check ? &pipeline->defects : NULL,

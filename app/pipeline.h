@@ -5,6 +5,7 @@
 
 #include "app/adapt_report.h"
 #include "app/session.h"
+#include "inspect/imprint.h"
 #include "radiosity/direct.h"
 #include "radiosity/links.h"
 #include "radiosity/room.h"
@@ -24,10 +25,18 @@ typedef enum {
     STAGE_COUNT
 } Stage;
 
+/* Faces that were cut where others touch them, that gave way to others in their plane, that would
+ * have become too many pieces; area that gave way. */
+typedef struct {
+    uint32_t cut, covered, left;
+    double   area;
+} CutCount;
+
 typedef struct Pipeline {
     Session     *session;
     Scene       *scene;
     Defects      defects;      /* found and repaired while connecting; for check alone */
+    CutCount     cuts;
     Surfaces    *surfaces;
     Bvh         *bvh;
     uint8_t     *sides, *emitting;  /* [surfaces->count] */
@@ -73,6 +82,10 @@ bool pipeline_fits(const Pipeline *pipeline, uint64_t more, const char *what, Er
 /* Adds the time since `begin` to a stage and notes the memory. */
 void pipeline_note(Pipeline *pipeline, Stage stage, double begin);
 const char *pipeline_stage_name(Stage stage);
+
+/* app/pipeline_imprint.c: cuts the scene's faces for the next stage; `tell`: and warns. False when
+ * there is nothing to take over: it failed, is switched off, or check has only listed what is. */
+bool pipeline_imprint(Pipeline *pipeline, bool tell, Imprint *imprint, Error *err);
 
 /* 0 when all was reached, 4 when a tolerance was missed, 5 when stopped before. */
 int pipeline_exit_code(const Pipeline *pipeline);

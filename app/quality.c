@@ -60,6 +60,8 @@ Settings quality_settings(const Options *options)
     s.adapt = adapts(options);
     s.least_size = options->least_size;
     s.repair = repair_options(options);
+    s.imprint = (ImprintOptions){ .keep_whole = (options->repair >> REPAIR_CUTS & 1) == 0,
+                                  .keep_covered = (options->repair >> REPAIR_COVERED & 1) == 0 };
     if (options->rays > 0) {
         s.rays = options->rays;
         s.lamp_rays = options->rays / 4 > 0 ? options->rays / 4 : 1;

@@ -6,6 +6,7 @@
 #include <stdio.h>
 
 #include "app/options.h"
+#include "inspect/imprint.h"
 #include "mesh/surfaces.h"
 #include "radiosity/links.h"
 #include "radiosity/solve.h"
@@ -16,6 +17,7 @@ typedef struct {
     bool     adapt;          /* divide where light changes, up to `patches` */
     double   least_size;     /* shortest patch edge of adapt; 0: a share of the greatest */
     SurfaceOptions repair;
+    ImprintOptions imprint; /* but for the number of pieces and the list */
     uint32_t rays, lamp_rays;
     Closure  closure;
     Solver   solver;

@@ -80,6 +80,9 @@ static void put_mesh(Json *json, const Pipeline *pipeline)
     json_count(json, "nonmanifold", s->repairs.nonmanifold);
     json_count(json, "flipped", s->repairs.flipped);
     json_count(json, "stitched", s->repairs.stitched);
+    json_count(json, "cut", pipeline->cuts.cut);
+    json_count(json, "covered", pipeline->cuts.covered);
+    json_number(json, "covered_area", pipeline->cuts.area);
     json_count(json, "refused", s->repairs.refused);
     json_close(json, '}');
     if (pipeline->sides != NULL) {

@@ -42,7 +42,8 @@ typedef struct {
     uint32_t        ranked, left; /* left: pieces that may still be added */
     uint32_t        face_most;    /* to one face */
     uint32_t        pieces;       /* added so far */
-    bool            overlapped;   /* the face being cut, by what is no lamp */
+    ImprintFate     fate;         /* of the face being cut */
+    ImprintReport   report;
     const Monitor  *monitor;
     Imprint        *out;
     Error          *err;
@@ -105,22 +106,39 @@ static bool leave(Imprinter *im, uint32_t face)
     for (uint32_t k = parts->first[face]; k < parts->first[face + 1]; k++) {
         if (!go_on(im, k) || !imprint_contacts_find(parts, k, &im->contacts, im->err))
             return false;
-        if (im->contacts.inner > 0 || im->contacts.cover_count > 0) {
-            im->out->left++;
-            return true;
-        }
+        if (im->contacts.inner > 0 || im->contacts.cover_count > 0)
+            return imprint_report_left(&im->report, im->contacts.line, face, im->out, im->err);
     }
     return true;
 }
 
+/* What the knife and the lines say of a part that was cut. */
+static void note_fate(Imprinter *im)
+{
+    const ImprintKnife *knife = &im->knife;
+    ImprintFate *fate = &im->fate;
+    if (!fate->cut && im->contacts.inner > 0 && knife->now.count > 1) {
+        fate->cut = true;
+        fate->by = im->contacts.line[0].face;
+        fate->cut_at = vec3_lerp(im->contacts.line[0].end[0], im->contacts.line[0].end[1], 0.5);
+    }
+    if (!fate->covered && knife->covered) {
+        fate->covered = true;
+        fate->cover = knife->cover;
+        fate->covered_at = knife->covered_at;
+    }
+    fate->overlapped = fate->overlapped || knife->overlapped;
+    fate->covered_area += knife->covered_area;
+}
+
 /* Cuts the parts of one face into im->raw, `most` pieces or a few more in all; *changed when there
  * is anything to tell of it. */
-static bool cut_parts(Imprinter *im, uint32_t face, uint32_t most, bool *changed, bool *covered)
+static bool cut_parts(Imprinter *im, uint32_t face, uint32_t most, bool *changed)
 {
     const ImprintParts *parts = &im->parts;
     const uint32_t last = parts->first[face + 1];
-    *changed = *covered = false;
-    im->overlapped = false;
+    *changed = false;
+    im->fate = (ImprintFate){ 0 };
     im->raw.count = im->lines = 0;
     for (uint32_t k = parts->first[face]; k < last; k++) {
         const uint32_t taken = im->raw.count + (last - k - 1);
@@ -130,9 +148,7 @@ static bool cut_parts(Imprinter *im, uint32_t face, uint32_t most, bool *changed
             return false;
         const ImprintPieces *now = &im->knife.now;
         *changed = *changed || now->count != 1 || im->knife.covered;
-        *covered = *covered || im->knife.covered;
-        im->overlapped = im->overlapped || im->knife.overlapped;
-        im->out->covered_area += im->knife.covered_area;
+        note_fate(im);
         for (uint32_t i = 0; i < now->count; i++)
             if (!imprint_pieces_add(&im->raw, now->corner + now->first[i], NULL,
                                     now->first[i + 1] - now->first[i], im->err))
@@ -152,19 +168,17 @@ static bool take_whole(Imprinter *im, uint32_t face)
 
 static bool cut_face(Imprinter *im, uint32_t face)
 {
-    bool changed, covered;
+    bool changed;
     const uint32_t parts = im->parts.first[face + 1] - im->parts.first[face];
     const uint32_t most = 1 + (im->left < im->face_most ? im->left : im->face_most);
     /* A cut face comes in its parts, at the least. */
     if (im->left == 0 || parts > most)
         return leave(im, face);
-    if (!cut_parts(im, face, most, &changed, &covered))
+    if (!cut_parts(im, face, most, &changed))
         return false;
     if (changed && parts > 0 && im->raw.count == 0) {
         im->first[face] = GONE; /* others cover it altogether */
-        im->out->covered++;
-        im->out->overlapped += im->overlapped;
-        return true;
+        return imprint_report(&im->report, &im->parts, face, &im->fate, 0, im->out, im->err);
     }
     const bool cut = changed;
     if (!cut && im->lines == 0)
@@ -180,10 +194,8 @@ static bool cut_face(Imprinter *im, uint32_t face)
     im->count[face] = count;
     im->pieces += count - 1;
     im->left -= count - 1 < im->left ? count - 1 : im->left;
-    im->out->cut += cut && count > 1;
-    im->out->covered += cut && covered;
-    im->out->overlapped += cut && im->overlapped;
-    return true;
+    return !cut
+        || imprint_report(&im->report, &im->parts, face, &im->fate, count, im->out, im->err);
 }
 
 static bool cut_all(Imprinter *im)
@@ -260,18 +272,6 @@ static bool assemble(Imprinter *im)
     return true;
 }
 
-static void tell(const Imprint *out, const Monitor *monitor)
-{
-    if (out->overlapped > 0)
-        monitor_warn(monitor, "covered", "",
-                     "%u faces lie under others in their own plane; that part of them was left out",
-                     out->overlapped);
-    if (out->left > 0)
-        monitor_warn(monitor, "contacts-left", "",
-                     "so many faces touch that %u of them were not cut where others stand on them; "
-                     "their patches may let light through", out->left);
-}
-
 bool imprint_create(const Polygons *soup, const ImprintOptions *options, Imprint *out,
                     const Monitor *monitor, Error *err)
 {
@@ -283,6 +283,11 @@ bool imprint_create(const Polygons *soup, const ImprintOptions *options, Imprint
     const uint32_t share = most / FACE_SHARE;
     Imprinter im = { .out = out, .err = err, .left = most, .monitor = monitor,
                      .face_most = share > FACE_PIECES_LEAST ? share : FACE_PIECES_LEAST };
+    if (options != NULL) {
+        im.contacts.keep_whole = options->keep_whole;
+        im.contacts.keep_covered = options->keep_covered;
+        im.report.defects = options->defects;
+    }
     im.knife = (ImprintKnife){ .parts = &im.parts, .points = &im.points, .err = err };
     bool ok = imprint_parts_create(&im.parts, soup, err)
            && array_reserve((void **)&im.points.position, &im.points.capacity,
@@ -292,7 +297,7 @@ bool imprint_create(const Polygons *soup, const ImprintOptions *options, Imprint
     im.points.count = soup->vertex_count;
     ok = ok && cut_all(&im) && assemble(&im);
     if (ok)
-        tell(out, monitor);
+        imprint_tell(&im.report, soup, out, monitor);
     imprint_parts_clear(&im.parts);
     imprint_contacts_clear(&im.contacts);
     imprint_knife_clear(&im.knife);

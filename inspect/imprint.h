@@ -22,11 +22,16 @@
 
 #include "base/error.h"
 #include "base/monitor.h"
+#include "mesh/defects.h"
 #include "mesh/polygons.h"
 #include "mesh/surfaces.h"
 
 typedef struct {
     uint32_t most;        /* pieces to be added, all in all; 0: 20,000 */
+    bool     keep_whole;  /* faces are cut only for others that lie in their plane */
+    bool     keep_covered;/* no face gives way to others in its plane */
+    Defects *defects;     /* NULL, or gets what was cut, gave way or was left, face by face, for all
+                             but faces that lie exactly on another: surfaces_repair lists those */
 } ImprintOptions;
 
 typedef struct {
@@ -40,6 +45,7 @@ typedef struct {
     uint32_t pieces;      /* that were added */
     uint32_t covered;     /* faces that gave way, in part or wholly, to others in their plane */
     uint32_t overlapped;  /* of these, those that gave way to others than lamps: this is told */
+    uint32_t replaced;    /* of these, those exactly on one of another material: told as well */
     double   covered_area;/* of theirs, left out */
     uint32_t left;        /* faces not cut where others touch: there would be too many pieces */
 } Imprint;

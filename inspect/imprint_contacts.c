@@ -22,6 +22,8 @@ typedef struct {
 static bool add_line(ImprintContacts *c, const Pairing *pair, Vec3 a, Vec3 b, bool barrier,
                      Error *err)
 {
+    if (barrier && c->keep_whole)
+        return true;
     Vec3 end[2] = { a, b };
     bool border;
     if (!imprint_clip(pair->parts->soup->position, pair->parts->corner + pair->part->first,
@@ -36,7 +38,7 @@ static bool add_line(ImprintContacts *c, const Pairing *pair, Vec3 a, Vec3 b, bo
                        "face contacts", err))
         return false;
     c->line[c->count++] = (ImprintLine){ .end = { end[0], end[1] }, .barrier = barrier,
-                                         .inner = !border,
+                                         .inner = !border, .face = pair->other->face,
                                          .length = vec3_length(vec3_sub(end[1], end[0])) };
     c->inner += !border;
     return true;
@@ -50,8 +52,25 @@ static bool yields_to_lamp(LampKind lamp, bool same_way)
     return lamp == LAMP_SHEET || (lamp == LAMP_CASED && same_way);
 }
 
+bool imprint_same_outline(const ImprintParts *parts, const ImprintPart *a, const ImprintPart *b)
+{
+    const double tolerance = fmax(a->tolerance, b->tolerance);
+    if (a->count != b->count)
+        return false;
+    for (uint32_t i = 0; i < a->count; i++) {
+        bool found = false;
+        for (uint32_t k = 0; k < b->count && !found; k++)
+            found = vec3_length(vec3_sub(imprint_corner(parts, a, i),
+                                         imprint_corner(parts, b, k))) <= tolerance;
+        if (!found)
+            return false;
+    }
+    return true;
+}
+
 /* Whether the part gives way to another in its plane: a lamp goes first; then, of two that look the
- * same way, the smaller face: it is the one that someone put there; of equals the earlier stays.
+ * same way, the smaller face: it is the one that someone put there; of equals the one that gives
+ * light stays, else the earlier.
  * Never both, and never in a ring, so that something stays everywhere. */
 static bool gives_way(const Pairing *pair, const ImprintContacts *c)
 {
@@ -59,6 +78,9 @@ static bool gives_way(const Pairing *pair, const ImprintContacts *c)
     const LampKind lamp = (LampKind)c->lamp[part - pair->parts->part];
     const LampKind other_lamp = (LampKind)c->lamp[other - pair->parts->part];
     const bool same_way = vec3_dot(part->normal, other->normal) > 0;
+    const bool one_lit = (lamp == LAMP_NONE) != (other_lamp == LAMP_NONE);
+    if (same_way && one_lit && imprint_same_outline(pair->parts, part, other))
+        return lamp == LAMP_NONE;
     if (lamp == LAMP_NONE && other_lamp != LAMP_NONE)
         return yields_to_lamp(other_lamp, same_way);
     if (lamp != LAMP_NONE && other_lamp == LAMP_NONE)
@@ -75,19 +97,24 @@ static bool gives_way(const Pairing *pair, const ImprintContacts *c)
 /* Two parts in one plane: the other's outline. */
 static bool add_outline(ImprintContacts *c, const Pairing *pair, Error *err)
 {
+    const uint32_t me = (uint32_t)(pair->part - pair->parts->part);
+    const uint32_t other = (uint32_t)(pair->other - pair->parts->part);
+    if (!imprint_lamp_find(pair->parts, me, c, err)
+        || !imprint_lamp_find(pair->parts, other, c, err))
+        return false;
+    const bool covered = !c->keep_covered && gives_way(pair, c);
+    if (!covered && c->keep_whole)
+        return true;
     for (uint32_t k = 0; k < pair->other->count; k++)
         if (!add_line(c, pair, imprint_corner(pair->parts, pair->other, k),
                       imprint_corner(pair->parts, pair->other, k + 1), false, err))
             return false;
-    if (!imprint_lamp_find(pair->parts, (uint32_t)(pair->part - pair->parts->part), c, err)
-        || !imprint_lamp_find(pair->parts, (uint32_t)(pair->other - pair->parts->part), c, err))
-        return false;
-    if (!gives_way(pair, c))
+    if (!covered)
         return true;
     if (!array_reserve((void **)&c->cover, &c->cover_capacity, (size_t)c->cover_count + 1,
                        sizeof *c->cover, "face contacts", err))
         return false;
-    c->cover[c->cover_count++] = (uint32_t)(pair->other - pair->parts->part);
+    c->cover[c->cover_count++] = other;
     return true;
 }
 

@@ -211,7 +211,7 @@ static bool begin(ImprintKnife *knife, const ImprintContacts *c)
 /* Whether some face in the same plane lies on the whole of a piece: where cuts were left out for
  * their number, a piece may be covered in part only, and stays. */
 static bool is_covered(const ImprintKnife *knife, const ImprintContacts *c, uint32_t piece,
-                       bool *by_lamp)
+                       uint32_t *cover, Vec3 *at)
 {
     const uint32_t *corner = knife->now.corner + knife->now.first[piece];
     const uint32_t count = knife->now.first[piece + 1] - knife->now.first[piece];
@@ -227,7 +227,8 @@ static bool is_covered(const ImprintKnife *knife, const ImprintContacts *c, uint
         for (uint32_t i = 0; i < count && in; i++)
             in = imprint_inside(position, outline, other->count, other->normal, tolerance,
                                 position[corner[i]]);
-        *by_lamp = c->lamp[c->cover[k]] != LAMP_NONE;
+        *cover = c->cover[k];
+        *at = middle;
         if (in)
             return true;
     }
@@ -244,10 +245,15 @@ static double piece_area(const ImprintKnife *knife, uint32_t piece)
 static bool drop_covered(ImprintKnife *knife, const ImprintContacts *c)
 {
     for (uint32_t k = 0; k < knife->now.count; k++) {
-        bool by_lamp;
-        if (is_covered(knife, c, k, &by_lamp)) {
+        uint32_t cover;
+        Vec3 at;
+        if (is_covered(knife, c, k, &cover, &at)) {
+            if (!knife->covered) {
+                knife->cover = cover;
+                knife->covered_at = at;
+            }
             knife->covered = true;
-            knife->overlapped = knife->overlapped || !by_lamp;
+            knife->overlapped = knife->overlapped || c->lamp[cover] == LAMP_NONE;
             knife->covered_area += piece_area(knife, k);
             continue;
         }

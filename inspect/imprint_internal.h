@@ -41,6 +41,7 @@ typedef struct {
     Vec3     end[2];
     bool     barrier;   /* the other stands there: no part of the same plane */
     bool     inner;     /* not along the border of the part */
+    uint32_t face;      /* that meets it there */
     double   length;
 } ImprintLine;
 
@@ -54,6 +55,7 @@ typedef enum {
 } LampKind;
 
 typedef struct {
+    bool         keep_whole, keep_covered; /* as in ImprintOptions */
     ImprintLine *line;
     uint32_t     count;      /* longest first */
     uint32_t     inner;      /* how many of them are inner */
@@ -66,7 +68,9 @@ typedef struct {
     uint32_t    *beside;     /* [parts]  scratch */
 } ImprintContacts;
 
-/* imprint_contacts.c: all lines and covers of one part. */
+/* imprint_contacts.c: whether two parts in one plane have the same corners. */
+bool imprint_same_outline(const ImprintParts *parts, const ImprintPart *a, const ImprintPart *b);
+/* All lines and covers of one part. */
 bool imprint_contacts_find(const ImprintParts *parts, uint32_t part, ImprintContacts *contacts,
                            Error *err);
 void imprint_contacts_clear(ImprintContacts *contacts);
@@ -116,7 +120,33 @@ typedef struct {
     bool                covered;  /* a piece was left out */
     bool                overlapped; /* by what is no lamp */
     double              covered_area;
+    uint32_t            cover;    /* part that the first piece left out was under */
+    Vec3                covered_at;
 } ImprintKnife;
+
+/* What happened to a face, or a part of it. */
+typedef struct {
+    bool     cut, covered, overlapped;
+    uint32_t by, cover;     /* face that cuts it, part that it is under; both the first one */
+    Vec3     cut_at, covered_at;
+    double   covered_area;
+} ImprintFate;
+
+/* imprint_report.c: what is told of all faces. */
+typedef struct {
+    Defects *defects;                   /* may be NULL */
+    uint32_t first, other;              /* first face that gave way to no lamp, and to what */
+    uint32_t first_exact, other_exact;  /* first that lies exactly on one of another material */
+} ImprintReport;
+
+/* Counts the face's fate in *out and lists it; pieces: how many it has now, 0: it is gone. */
+bool imprint_report(ImprintReport *report, const ImprintParts *parts, uint32_t face,
+                    const ImprintFate *fate, uint32_t pieces, Imprint *out, Error *err);
+/* The face is left whole though others touch it. */
+bool imprint_report_left(ImprintReport *report, const ImprintLine *line, uint32_t face,
+                         Imprint *out, Error *err);
+void imprint_tell(const ImprintReport *report, const Polygons *soup, const Imprint *out,
+                  const Monitor *monitor);
 
 /* imprint_cut.c: cuts a part; at most about `most` pieces. */
 bool imprint_cut(ImprintKnife *knife, uint32_t part, const ImprintContacts *contacts,

@@ -22,6 +22,15 @@ bool defects_add(Defects *list, const Defect *defect, Error *err)
     return true;
 }
 
+void defects_leave(Defects *list, DefectKind kind)
+{
+    assert(list != NULL && kind < DEFECT_KINDS);
+    list->repaired[kind] = 0;
+    for (size_t i = 0; i < list->count; i++)
+        if (list->item[i].kind == kind)
+            list->item[i].repaired = false;
+}
+
 void defects_clear(Defects *list)
 {
     array_free(list->item);
@@ -46,6 +55,11 @@ const char *defect_name(DefectKind kind)
     case DEFECT_INTERSECTION: return "intersection";
     case DEFECT_OVERLAP:      return "overlap";
     case DEFECT_INSIDE_SOLID: return "inside-solid";
+    case DEFECT_MATERIAL:     return "other-material";
+    case DEFECT_CUT:          return "cut";
+    case DEFECT_COVERED:      return "covered";
+    case DEFECT_COVERED_PART: return "covered-part";
+    case DEFECT_CONTACT_LEFT: return "contact-left";
     case DEFECT_KINDS:        break;
     }
     return "";

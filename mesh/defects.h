@@ -33,6 +33,13 @@ typedef enum {
     DEFECT_INTERSECTION,   /* two faces pass through each other */
     DEFECT_OVERLAP,        /* two faces in one plane cover a common piece */
     DEFECT_INSIDE_SOLID,   /* a part that lies wholly inside a closed part */
+    DEFECT_MATERIAL,       /* face exactly on another, wound like it, of another material: of the
+                              two the one that gives light stays, else the first of the file */
+    DEFECT_CUT,            /* face cut where another stands on it or passes through it; nothing
+                              wrong by itself */
+    DEFECT_COVERED,        /* face wholly under others in its plane: left out */
+    DEFECT_COVERED_PART,   /* face in part under others in its plane: that part is left out */
+    DEFECT_CONTACT_LEFT,   /* face not cut where others stand on it: too many pieces */
     DEFECT_KINDS
 } DefectKind;
 
@@ -56,6 +63,8 @@ typedef struct {
 /* An empty list is { 0 }. list may be NULL: nothing happens.
  * fails  false and ERROR_MEMORY. */
 bool defects_add(Defects *list, const Defect *defect, Error *err);
+/* Counts all of a kind as left as they are. */
+void defects_leave(Defects *list, DefectKind kind);
 /* Frees everything inside, leaves { 0 }. */
 void defects_clear(Defects *list);
 /* "t-junction", ...: for reports and JSON keys. */

@@ -12,9 +12,11 @@
 
 /* --- what is to be repaired and what was found ------------------------------------------------ */
 
-/* How often something was noticed, and the first face (as in Surface.face) where. */
+/* How often something was noticed, and the first face where. */
 typedef struct {
-    uint32_t count, first;
+    uint32_t count;
+    uint32_t first;       /* number of the face in the file */
+    uint32_t face, other; /* in the soup: it, and the second one concerned or DEFECT_NO_FACE */
 } Note;
 
 typedef struct {
@@ -29,6 +31,9 @@ typedef struct {
 
 /* surfaces_report.c: notes a defect and puts it on the list; its position in scene units. */
 bool repair_report(Repair *repair, const Defect *defect);
+/* Whether the later of two faces that lie on each other, wound alike, takes the place of the first:
+ * it gives light and the other does not. Notes which of them is left out; `merged`: it is. */
+bool repair_report_double(Repair *repair, uint32_t later, uint32_t first, bool merged, Vec3 at);
 /* Warns of what a user should know. */
 void repair_tell(const Repair *repair, const Monitor *monitor);
 /* How far a corner may be off an edge from p to q that it is meant to lie on. */

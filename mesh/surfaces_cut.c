@@ -21,6 +21,7 @@ typedef struct {
     uint32_t     *earlier; /* and of another */
     uint64_t     *sorted;  /* room for sorting as many */
     uint32_t     *back;    /* [polygons]  polygon that is its other side, or PIECE_NONE */
+    uint32_t     *front;   /* [polygons]  itself, or what lies on it and takes its place */
 } Cutter;
 
 static bool pieces_reserve(Pieces *pieces, size_t count, Error *err)
@@ -97,12 +98,15 @@ static bool lay_face(Cutter *cutter, uint32_t face, uint32_t earlier)
     }
     const bool merge = !cutter->repair->options->keep_duplicates;
     const bool back = reverse && cutter->back[earlier] == PIECE_NONE;
-    if (back && merge)
-        cutter->back[earlier] = face;
+    const Vec3 at = cutter->weld->position[cutter->corner[0]];
+    uint32_t *below = reverse ? &cutter->back[earlier] : &cutter->front[earlier];
+    if (back)
+        repair_report(cutter->repair, &(Defect){ .kind = DEFECT_BACK_TO_BACK, .repaired = merge,
+                                                 .face = face, .other = earlier, .at = at });
+    const bool takes = back || repair_report_double(cutter->repair, face, *below, merge, at);
+    if (takes && merge)
+        *below = face;
     cutter->repair->repairs.duplicate += merge && !back;
-    repair_report(cutter->repair, &(Defect){
-        .kind = back ? DEFECT_BACK_TO_BACK : DEFECT_DUPLICATE, .repaired = merge,
-        .face = face, .other = earlier, .at = cutter->weld->position[cutter->corner[0]] });
     return merge;
 }
 
@@ -164,6 +168,7 @@ static void cutter_clear(Cutter *cutter)
     array_free(cutter->earlier);
     array_free(cutter->sorted);
     array_free(cutter->back);
+    array_free(cutter->front);
 }
 
 static bool cutter_create(Cutter *cutter)
@@ -179,10 +184,13 @@ static bool cutter_create(Cutter *cutter)
     cutter->earlier = array_create(most, sizeof *cutter->earlier, "polygon corners", err);
     cutter->sorted = array_create(most, sizeof *cutter->sorted, "polygon corners", err);
     cutter->back = array_create(faces, sizeof *cutter->back, "polygon backs", err);
+    cutter->front = array_create(faces, sizeof *cutter->front, "polygon backs", err);
     if (!sets_create(&cutter->sets, faces, faces > 0 ? soup->first[faces] : 0, err))
         return false;
-    for (uint32_t i = 0; i < faces; i++)
+    for (uint32_t i = 0; i < faces; i++) {
         cutter->back[i] = PIECE_NONE;
+        cutter->front[i] = i;
+    }
     return true;
 }
 
@@ -196,8 +204,10 @@ bool pieces_create(Pieces *pieces, const Weld *weld, Repair *repair)
     bool ok = cutter_create(&cutter);
     for (uint32_t i = 0; ok && i < soup->polygon_count; i++)
         ok = cut_face(&cutter, i, pieces);
-    for (uint32_t i = 0; ok && i < pieces->count; i++)
+    for (uint32_t i = 0; ok && i < pieces->count; i++) {
         pieces->back[i] = cutter.back[pieces->face[i]];
+        pieces->face[i] = cutter.front[pieces->face[i]];
+    }
     cutter_clear(&cutter);
     ok = ok && pieces_merge_triangles(pieces, weld->position, repair);
     if (!ok)

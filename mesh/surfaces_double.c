@@ -101,13 +101,21 @@ static void split_unlike_quads(Pieces *pieces, const Polygons *soup)
             pieces_split_quad(pieces, i);
 }
 
-static bool report_double(const Pieces *pieces, uint32_t piece, uint32_t earlier, bool back,
+static bool emits(const Polygons *soup, uint32_t face)
+{
+    return rgb_max(soup->materials[soup->material[face]].emission) > 0;
+}
+
+/* Face `face`, of the triangle `piece`, lies on face `below`. */
+static void report_double(const Pieces *pieces, uint32_t piece, uint32_t below, bool back,
                           bool merged, const Vec3 *position, Repair *repair)
 {
-    return repair_report(repair, &(Defect){
-        .kind = back ? DEFECT_BACK_TO_BACK : DEFECT_DUPLICATE, .repaired = merged,
-        .face = pieces->face[piece], .other = pieces->face[earlier],
-        .at = position[pieces->corner[3 * (size_t)piece]] });
+    const Vec3 at = position[pieces->corner[3 * (size_t)piece]];
+    if (back)
+        repair_report(repair, &(Defect){ .kind = DEFECT_BACK_TO_BACK, .repaired = merged,
+                                         .face = pieces->face[piece], .other = below, .at = at });
+    else
+        repair_report_double(repair, pieces->face[piece], below, merged, at);
 }
 
 /* Polygons were compared whole before they were cut. */
@@ -123,20 +131,23 @@ static bool merge_triangle(Pieces *pieces, uint32_t i, uint32_t earlier, uint32_
 {
     const uint32_t *corner = pieces->corner + 3 * (size_t)i;
     const bool keep = repair->options->keep_duplicates;
-    const uint32_t face = pieces->face[i], below = pieces->face[earlier];
+    const bool reverse = outline_is_same(corner, pieces->corner + 3 * (size_t)earlier, 3, true);
     /* A plate on something cannot become a side of it: it stays a plate of its own. */
-    const bool back = pieces->back[earlier] == PIECE_NONE
-                   && outline_is_same(corner, pieces->corner + 3 * (size_t)earlier, 3, true);
-    if (!keep) {
-        pieces_split_quad(pieces, i);
-        repair->repairs.duplicate += !back;
-        if (back)
-            pieces->back[earlier] = face;
-    }
-    if (*told != face && !(keep && was_compared(repair->soup, face, below)))
-        report_double(pieces, i, earlier, back, !keep, position, repair);
+    const bool back = reverse && pieces->back[earlier] == PIECE_NONE;
+    uint32_t *below = reverse && !back ? &pieces->back[earlier] : &pieces->face[earlier];
+    const uint32_t face = pieces->face[i], other = *below;
+    if (*told != face && !(keep && was_compared(repair->soup, face, pieces->face[earlier])))
+        report_double(pieces, i, other, back, !keep, position, repair);
     *told = face;
-    return !keep;
+    if (keep)
+        return false;
+    pieces_split_quad(pieces, i);
+    repair->repairs.duplicate += !back;
+    if (back)
+        pieces->back[earlier] = face;
+    else if (emits(repair->soup, face) && !emits(repair->soup, other))
+        *below = face;
+    return true;
 }
 
 bool pieces_merge_triangles(Pieces *pieces, const Vec3 *position, Repair *repair)
@@ -246,11 +257,14 @@ static bool lay_pair(Pieces *pieces, const uint32_t below[2], const uint32_t abo
                    && pieces->back[below[1]] == PIECE_NONE;
     if (back && !pieces_alike(pieces, repair->soup, above[0], above[1]))
         return false;
+    const bool lit = vec3_dot(n[0], n[2]) > 0 && emits(repair->soup, pieces->face[above[0]])
+                  && !emits(repair->soup, pieces->face[below[0]])
+                  && pieces_alike(pieces, repair->soup, above[0], above[1]);
     for (int k = 0; k < 2; k++) {
         const bool again = k == 1 && pieces->face[above[0]] == pieces->face[above[1]];
         if (!again)
-            report_double(pieces, above[k], below[0], back, !repair->options->keep_duplicates,
-                          position, repair);
+            report_double(pieces, above[k], pieces->face[below[k]], back,
+                          !repair->options->keep_duplicates, position, repair);
         gone[above[k]] = 1;
         if (repair->options->keep_duplicates)
             continue;
@@ -258,6 +272,8 @@ static bool lay_pair(Pieces *pieces, const uint32_t below[2], const uint32_t abo
         repair->repairs.duplicate += !back;
         if (back)
             pieces->back[below[k]] = pieces->face[above[k]];
+        else if (lit)
+            pieces->face[below[k]] = pieces->face[above[k]];
     }
     return true;
 }

@@ -14,9 +14,31 @@ bool repair_report(Repair *repair, const Defect *defect)
     /* A face that was cut counts once, by its first piece. */
     const bool known = soup->origin != NULL && defect->face < soup->polygon_count;
     const bool piece = known && defect->face >= soup->origin_first;
-    if (!piece && note->count++ == 0)
+    if (!piece && note->count++ == 0) {
         note->first = known ? soup->origin[defect->face] : defect->face;
+        note->face = defect->face;
+        note->other = defect->other;
+    }
     return defects_add(repair->defects, defect, repair->err);
+}
+
+static bool emits(const Polygons *soup, uint32_t face)
+{
+    return rgb_max(soup->materials[soup->material[face]].emission) > 0;
+}
+
+bool repair_report_double(Repair *repair, uint32_t later, uint32_t first, bool merged, Vec3 at)
+{
+    const Polygons *soup = repair->soup;
+    const bool swapped = emits(soup, later) && !emits(soup, first);
+    Defect defect = { .kind = DEFECT_DUPLICATE, .repaired = merged,
+                      .face = swapped ? first : later, .other = swapped ? later : first,
+                      .at = at };
+    repair_report(repair, &defect);
+    defect.kind = DEFECT_MATERIAL;
+    if (soup->material[later] != soup->material[first])
+        repair_report(repair, &defect);
+    return swapped;
 }
 
 double repair_reach(const Repair *repair, Vec3 p, Vec3 q)
@@ -25,6 +47,22 @@ double repair_reach(const Repair *repair, Vec3 p, Vec3 q)
         return repair->options->weld;
     const Vec3 most = vec3_max(vec3_max(p, q), vec3_scale(vec3_min(p, q), -1));
     return polygons_tolerance(repair->soup, fmax(most.x, fmax(most.y, most.z)));
+}
+
+/* Which material went, and for which. */
+static void tell_material(const Repair *repair, const Monitor *monitor)
+{
+    const Note *note = &repair->note[DEFECT_MATERIAL][true];
+    const Polygons *soup = repair->soup;
+    if (note->count == 0)
+        return;
+    const char *group = soup->group_name[soup->group[note->face]];
+    monitor_warn(monitor, "material-dropped", group,
+                 "%u faces lie exactly on others of another material and were left out; what gives "
+                 "light stays, else the first of the file: of face %u, in group \"%s\", \"%s\" "
+                 "goes and \"%s\" stays", note->count, note->first + 1, group,
+                 soup->materials[soup->material[note->face]].name,
+                 soup->materials[soup->material[note->other]].name);
 }
 
 void repair_tell(const Repair *repair, const Monitor *monitor)
@@ -38,8 +76,8 @@ void repair_tell(const Repair *repair, const Monitor *monitor)
           "faces have a corner that is not a finite number and were left out" },
         { DEFECT_DEGENERATE, true, "degenerate", "faces without area were left out" },
         { DEFECT_DUPLICATE, true, "duplicate",
-          "faces lie exactly on an earlier face and were left out" },
-        { DEFECT_DUPLICATE, false, "duplicate", "faces lie exactly on an earlier face" },
+          "faces lie exactly on another face and were left out" },
+        { DEFECT_DUPLICATE, false, "duplicate", "faces lie exactly on another face" },
         { DEFECT_CROSSING, false, "polygon-crossing",
           "polygons have an outline that crosses itself; their filling is a guess" },
         /* Bodies that touch along an edge are common and come out right: listed, not told. */
@@ -56,13 +94,14 @@ void repair_tell(const Repair *repair, const Monitor *monitor)
     if (repair->many_junctions)
         monitor_warn(monitor, "junctions", "",
                      "too many edges lie on each other in one line: not all were stitched");
+    tell_material(repair, monitor);
     for (size_t i = 0; i < sizeof told / sizeof *told; i++) {
         const Note *note = &repair->note[told[i].kind][told[i].repaired];
         if (note->count == 0)
             continue;
-        const bool polygon = note->first < soup->polygon_count;
-        const size_t shape = polygon ? 0 : note->first - soup->polygon_count;
-        const uint32_t group = polygon ? soup->group[note->first] : soup->shape[shape].group;
+        const bool polygon = note->face < soup->polygon_count;
+        const size_t shape = polygon ? 0 : note->face - soup->polygon_count;
+        const uint32_t group = polygon ? soup->group[note->face] : soup->shape[shape].group;
         monitor_warn(monitor, told[i].code, soup->group_name[group],
                      "%u %s; the first is %s %zu of the file, in group \"%s\"", note->count,
                      told[i].text, polygon ? "face" : "curved face",

@@ -290,6 +290,62 @@ static void test_many(void **state)
     room_clear(&r);
 }
 
+/* A floor with a box on it and a poster, and one more floor below all of it. */
+static void lay_floor(TestRoom *r)
+{
+    const uint32_t wall = room_material(r, 0.5, 0), other = room_material(r, 0.4, 0);
+    room_quad(r, ORIGIN, vec3(4, 0, 0), vec3(0, 3, 0), wall, "floor");
+    room_box(r, vec3(1, 1, 0), vec3(2, 2, 1), BOX_ALL - BOX_Z0, false, wall, "b-");
+    room_quad(r, vec3(3, 1, 0), vec3(0.5, 0, 0), vec3(0, 0.5, 0), other, "poster");
+    room_quad(r, vec3(3, 1, 0), vec3(0.25, 0, 0), vec3(0, 0.5, 0), other, "half");
+    room_quad(r, vec3(3.25, 1, 0), vec3(0.25, 0, 0), vec3(0, 0.5, 0), other, "half");
+    room_quad(r, ORIGIN, vec3(4, 0, 0), vec3(0, 3, 0), other, "again");
+}
+
+/* Each of the two things that are done can be left, and what is done is listed. */
+static void test_switched_off(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        TestRoom r = { 0 };
+        Defects found = { 0 };
+        Error err = { 0 };
+        Imprint im;
+        double area, sum = 0;
+        const bool whole = k & 1, covered = k & 2;
+        lay_floor(&r);
+        assert_true(imprint_create(&r.soup, &(ImprintOptions){ .keep_whole = whole,
+                                                               .keep_covered = covered,
+                                                               .defects = &found },
+                                   &im, NULL, &err));
+        const uint32_t floor = pieces_of(&im, 0, &area);
+        assert_true(is_near(area, covered ? 12 : 12 - 0.25));
+        assert_int_equal(floor > 1, !whole || !covered);
+        for (uint32_t i = 6; i < 10; i++) {
+            pieces_of(&im, i, &area);
+            sum += area;
+        }
+        assert_true(is_near(sum, covered ? 12 + 2 * 0.25 : 0.25));
+        assert_int_equal(found.found[DEFECT_COVERED], covered ? 0 : 1); /* "again" is a duplicate */
+        assert_int_equal(found.found[DEFECT_COVERED_PART], covered ? 0 : 1);
+        assert_int_equal(im.covered, covered ? 0 : 3);
+        assert_int_equal(im.replaced, covered ? 0 : 1);
+        /* The box cuts both floors, which are the same; its own faces are touched at borders. */
+        assert_int_equal(found.found[DEFECT_CUT], covered && !whole ? 3 : 0);
+        for (size_t i = 0; i < found.count; i++) {
+            const Defect *d = &found.item[i];
+            assert_true(d->repaired);
+            if (d->kind == DEFECT_COVERED_PART)
+                assert_true(d->face == 0 && is_near(d->measure, 0.25) && d->at.x > 3);
+            if (d->kind == DEFECT_COVERED)
+                assert_true(d->face == 6 && is_near(d->measure, 0.25));
+        }
+        defects_clear(&found);
+        imprint_clear(&im);
+        room_clear(&r);
+    }
+}
+
 static void test_memory(void **state)
 {
     (void)state;
@@ -320,7 +376,7 @@ int main(void)
         cmocka_unit_test(test_untouched), cmocka_unit_test(test_box_on_floor),
         cmocka_unit_test(test_wall_end),  cmocka_unit_test(test_lamp_in_plane),
         cmocka_unit_test(test_lamp_body), cmocka_unit_test(test_covered_altogether),
-        cmocka_unit_test(test_decals),
+        cmocka_unit_test(test_decals),   cmocka_unit_test(test_switched_off),
         cmocka_unit_test(test_many),      cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

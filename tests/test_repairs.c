@@ -303,6 +303,72 @@ static void test_other_diagonal(void **state)
     }
 }
 
+/* Faces on each other that are wound alike: as two quads, as triangles on a quad, and as triangles
+ * on such with the other diagonal. */
+static void lay(Polygons *soup, int form, bool upper, uint32_t material)
+{
+    const Vec3 a = { 0, 0, 0 }, b = { 2, 0, 0 }, c = { 2, 1, 0 }, d = { 0, 1, 0 };
+    if (form == 0 || (form == 1 && !upper)) {
+        soup_polygon(soup, (Vec3[]){ a, b, c, d }, 4, material, 0);
+    } else if (form == 2 && upper) {
+        soup_polygon(soup, (Vec3[]){ a, b, d }, 3, material, 0);
+        soup_polygon(soup, (Vec3[]){ b, c, d }, 3, material, 0);
+    } else {
+        soup_polygon(soup, (Vec3[]){ a, b, c }, 3, material, 0);
+        soup_polygon(soup, (Vec3[]){ a, c, d }, 3, material, 0);
+    }
+}
+
+/* Of two materials in one place the one that gives light stays, else the first; it is told. */
+static void test_other_material(void **state)
+{
+    (void)state;
+    for (int variant = 0; variant < 3 * 3; variant++) {
+        const int form = variant / 3, lit = variant % 3 - 1; /* -1: neither gives light */
+        Case t = { 0 };
+        soup_start(&t.soup);
+        if (lit >= 0)
+            t.soup.materials[lit].emission = rgb(1, 1, 1);
+        lay(&t.soup, form, false, 0);
+        lay(&t.soup, form, true, 1);
+        case_run(&t);
+        const uint32_t stays = lit == 1 ? 1 : 0;
+        const uint64_t gone = form == 0 || (form == 1 && stays == 1) ? 1 : 2;
+        assert_true(fabs(area_of(t.s) - 2) < 1e-15);
+        for (uint32_t i = 0; i < t.s->count; i++) {
+            assert_int_equal(surfaces_material(t.s, i, 0), stays);
+            assert_int_equal(surfaces_material(t.s, i, 1), stays);
+        }
+        assert_in_range(t.defects.found[DEFECT_MATERIAL], gone, 2);
+        assert_int_equal(t.defects.found[DEFECT_DUPLICATE], t.defects.found[DEFECT_MATERIAL]);
+        assert_int_equal(t.defects.repaired[DEFECT_MATERIAL], t.defects.found[DEFECT_MATERIAL]);
+        for (size_t k = 0; k < t.defects.count; k++) {
+            assert_int_equal(t.soup.material[t.defects.item[k].face], !stays);
+            assert_int_equal(t.soup.material[t.defects.item[k].other], stays);
+        }
+        case_clear(&t);
+    }
+}
+
+/* A third one with light on two without; then a fourth without. */
+static void test_many_materials(void **state)
+{
+    (void)state;
+    Case t = { 0 };
+    soup_start(&t.soup);
+    t.soup.materials[1].emission = rgb(1, 1, 1);
+    static const uint32_t material[4] = { 0, 0, 1, 0 };
+    for (int k = 0; k < 4; k++)
+        lay(&t.soup, 0, false, material[k]);
+    case_run(&t);
+    assert_int_equal(t.s->count, 1);
+    assert_int_equal(surfaces_material(t.s, 0, 0), 1);
+    assert_int_equal(t.s->surface[0].face, 2);
+    assert_int_equal(t.defects.found[DEFECT_DUPLICATE], 3);
+    assert_int_equal(t.defects.found[DEFECT_MATERIAL], 2);
+    case_clear(&t);
+}
+
 /* --- random soups ----------------------------------------------------------------------------- */
 
 /* Triangles and polygons between points of a small lattice: all kinds of defects, many of each. */
@@ -450,6 +516,8 @@ int main(void)
         cmocka_unit_test(test_solids_in_touch),
         cmocka_unit_test(test_moebius),
         cmocka_unit_test(test_other_diagonal),
+        cmocka_unit_test(test_other_material),
+        cmocka_unit_test(test_many_materials),
         cmocka_unit_test(test_random_soups),
         cmocka_unit_test(test_order),
         cmocka_unit_test(test_no_memory),

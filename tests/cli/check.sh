@@ -86,6 +86,30 @@ ok "marked mesh on standard output" exits 0 check "$DIR/bad.obj" -o - "${quiet[@
 ok "the same bytes" cmp -s "$DIR/out" "$DIR/bad.ply"
 ok "another name is refused" fails 2 'ends in' check "$cube" -o "$DIR/x.obj"
 
+# What gives way to others is told of, and that of two materials one goes.
+grep -v '^mtllib\|^usemtl' "$cube" >"$DIR/two.obj"
+cat >"$DIR/two.mtl" <<'END_OF_SCENE'
+newmtl oak
+Kd 0.5 0.5 0.5
+newmtl carpet
+Kd 0.2 0.2 0.2
+END_OF_SCENE
+sed -i '1i mtllib two.mtl\nusemtl oak' "$DIR/two.obj"
+printf 'g again\nusemtl carpet\nf 1 2 3 4\n' >>"$DIR/two.obj"
+ok "two materials" exits 0 check "$DIR/two.obj" --json "$DIR/c.json"
+ok "one goes" test "$(kind other-material)" = "1 1 0"
+ok "it is said which" grep -q '"carpet" goes and "oak" stays.*\[material-dropped\]' "$DIR/err"
+ok "solving says the same" exits 0 solve "$DIR/two.obj" --quality draft --patches 50 --light ceiling \
+    -o "$DIR/two.ply" --progress none
+ok "in the same words" grep -q '"carpet" goes and "oak" stays.*\[material-dropped\]' "$DIR/err"
+ok "cuts are listed" exits 0 check "$DIR/bad.obj" --json "$DIR/c.json" "${quiet[@]}"
+ok "the wall below the poster gives way" test "$(kind covered-part)" = "1 1 0"
+ok "what the box passes is cut" test "$(kind cut)" = "5 5 0"
+ok "all but that" exits 0 check "$DIR/bad.obj" --repair all,-cuts,-covered --json "$DIR/c.json" \
+    "${quiet[@]}"
+ok "left as it is" test "$(kind covered-part) $(kind cut)" = "1 0 1 5 0 5"
+ok "the duplicate is mended" test "$(kind duplicate)" = "1 1 0"
+
 ok "repairs switched off" exits 0 check "$DIR/bad.obj" --repair none --json "$DIR/c.json" "${quiet[@]}"
 ok "the duplicate stays" test "$(kind duplicate)" = "1 0 1"
 ok "and has patches" adds_up "$DIR/c.json"

@@ -45,7 +45,7 @@ ok "print-config" exits 0 render --print-config --quality high --spp 7
 ok "print-config expands" grep -qx 'rays 512' "$DIR/out"
 ok "print-config overrides" grep -qx 'spp 7' "$DIR/out"
 ok "a set of words" exits 0 render --print-config --repair all,-winding
-ok "a word less" grep -qx 'repair weld,duplicates,junctions,nonmanifold' "$DIR/out"
+ok "a word less" grep -qx 'repair weld,duplicates,junctions,nonmanifold,cuts,covered' "$DIR/out"
 ok "a set's wrong word" exits 2 render --print-config --repair weld,glue
 ok "no-adapt" exits 0 solve --print-config --no-adapt
 ok "no-adapt is printed" grep -qx 'no-adapt' "$DIR/out"
