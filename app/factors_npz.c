@@ -3,6 +3,7 @@
 #include "app/factors_files.h"
 
 #include <assert.h>
+#include <string.h>
 
 #include "app/npz.h"
 #include "base/array.h"
@@ -22,6 +23,9 @@ bool factors_write_npz(const Classes *classes, const double *factor, const char 
     return npz_commit(npz, err) && added; /* after a failure it writes nothing */
 }
 
+/* Rows that a stream goes through before it lets go of mapped ones. */
+enum { STREAM_ROWS = 1024 };
+
 /* first[] of the links in the type that scipy takes for row pointers beside 32-bit indices. */
 static int64_t *row_pointers(const Links *links, Error *err)
 {
@@ -39,9 +43,7 @@ static bool add_centres(Npz *npz, const Pipeline *pipeline, Error *err)
     Vec3 *centre = array_create(p->count, sizeof *centre, "patches", err);
     for (uint32_t i = 0; centre != NULL && i < p->count; i++)
         centre[i] = scene_to_file(pipeline->scene, p->centre[i]);
-    const bool added = centre != NULL && npz_add(npz, "centre", "<f8", p->count, 3, centre, err);
-    array_free(centre);
-    return added;
+    return npz_give(npz, "centre", "<f8", p->count, 3, centre, err);
 }
 
 static bool add_patches(Npz *npz, const Pipeline *pipeline, Error *err)
@@ -61,22 +63,65 @@ static bool add_patches(Npz *npz, const Pipeline *pipeline, Error *err)
                          pipeline->scene->polygons.group_count, err);
 }
 
+/* Sources or factors of all rows in order, wherever they lie. */
+typedef struct {
+    const Links *links;
+    LinksScratch scratch;
+    bool         factors;
+    uint32_t     row;    /* that the last byte was of */
+} RowStream;
+
+static void read_rows(void *context, uint64_t at, void *buffer, size_t size)
+{
+    RowStream *s = context;
+    char *to = buffer;
+    const uint64_t *first = s->links->first;
+    _Static_assert(sizeof(float) == 4 && sizeof(uint32_t) == 4, "entries of four bytes");
+    if (at == 0)
+        s->row = 0;
+    for (uint64_t done = 0; done < size;) {
+        while (first[s->row + 1] * 4 <= at + done) {
+            s->row++;
+            if (s->row % STREAM_ROWS == 0)
+                links_leave(s->links, s->row - STREAM_ROWS, s->row);
+        }
+        const LinksRow row = links_row(s->links, s->row, &s->scratch);
+        const uint64_t into = at + done - first[s->row] * 4, left = row.count * 4 - into;
+        const uint64_t take = left < size - done ? left : size - done;
+        const char *from = s->factors ? (const char *)row.form_factor : (const char *)row.source;
+        memcpy(to + done, from + into, take);
+        done += take;
+    }
+}
+
+static bool add_matrix(Npz *npz, const Links *links, RowStream stream[2], Error *err)
+{
+    const size_t nonzeros = links->first[links->count];
+    for (int k = 0; k < 2; k++) {
+        stream[k] = (RowStream){ .links = links, .factors = k == 0 };
+        if (!links_scratch_create(links, &stream[k].scratch, err))
+            return false;
+    }
+    return npz_add_stream(npz, "data", "<f4", nonzeros, read_rows, &stream[0], err) &&
+           npz_add_stream(npz, "indices", "<i4", nonzeros, read_rows, &stream[1], err) &&
+           npz_give(npz, "indptr", "<i8", (size_t)links->count + 1, 0, row_pointers(links, err),
+                    err);
+}
+
 bool factors_write_patches_npz(const Pipeline *pipeline, const char *path, Error *err)
 {
     const Links *links = pipeline->links;
-    const size_t nonzeros = links->first[links->count];
     const int64_t shape[2] = { links->count, links->count };
+    RowStream stream[2] = { { NULL } };
     Npz *npz = npz_open(path, err);
     if (npz == NULL)
         return false;
-    int64_t *pointer = row_pointers(links, err);
     const bool added =
-        pointer != NULL && npz_add(npz, "data", "<f4", nonzeros, 0, links->form_factor, err) &&
-        npz_add(npz, "indices", "<i4", nonzeros, 0, links->source, err) &&
-        npz_add(npz, "indptr", "<i8", (size_t)links->count + 1, 0, pointer, err) &&
+        add_matrix(npz, links, stream, err) &&
         npz_add(npz, "shape", "<i8", 2, 0, shape, err) &&
         npz_add(npz, "format", "|S3", SIZE_MAX, 0, "csr", err) && add_patches(npz, pipeline, err);
     const bool good = npz_commit(npz, err) && added;
-    array_free(pointer);
+    links_scratch_clear(&stream[0].scratch);
+    links_scratch_clear(&stream[1].scratch);
     return good;
 }

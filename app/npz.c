@@ -20,8 +20,10 @@ enum { DOS_DATE = (1 << 5) | 1, DOS_TIME = 0 };
 typedef struct {
     char   header[256];
     size_t header_size;
-    const void *data;
-    void  *owned;     /* data that was copied, or NULL */
+    const void *data; /* or NULL: */
+    NpzRead read;
+    void  *context;
+    void  *owned;     /* data to be freed, or NULL */
     size_t size, at;  /* at: bytes handed out so far, header included */
 } NpzArray;
 
@@ -71,11 +73,14 @@ static zip_int64_t array_read(void *state, void *buffer, zip_uint64_t length, zi
         size_t done = 0;
         while (done < length && a->at < all) {
             const bool head = a->at < a->header_size;
-            const char *from = head ? a->header + a->at
-                                    : (const char *)a->data + (a->at - a->header_size);
-            const size_t left = head ? a->header_size - a->at : all - a->at;
+            const size_t from = head ? a->at : a->at - a->header_size;
+            const size_t left = head ? a->header_size - from : a->size - from;
             const size_t take = left < length - done ? left : (size_t)(length - done);
-            memcpy((char *)buffer + done, from, take);
+            char *to = (char *)buffer + done;
+            if (head || a->data != NULL)
+                memcpy(to, (head ? a->header : (const char *)a->data) + from, take);
+            else
+                a->read(a->context, from, to, take);
             a->at += take;
             done += take;
         }
@@ -134,27 +139,54 @@ static size_t element_size(const char *type)
     return strtoul(type + 2, NULL, 10) * (type[1] == 'U' ? 4 : 1);
 }
 
-bool npz_add(Npz *npz, const char *name, const char *type, size_t rows, size_t columns,
-             const void *data, Error *err)
+/* Hands the array that was filled in last to the archive. */
+static bool add_entry(Npz *npz, const char *name, Error *err)
 {
-    assert(npz != NULL && npz->count < ARRAYS_MOST && data != NULL);
     char entry[64];
-    NpzArray *a = &npz->array[npz->count];
-    *a = (NpzArray){ .data = data };
-    make_header(a, type, rows, columns);
-    a->size = element_size(type) * (rows == SIZE_MAX ? 1 : rows) * (columns > 0 ? columns : 1);
-    npz->count++;
+    NpzArray *a = &npz->array[npz->count++];
     snprintf(entry, sizeof entry, "%s.npy", name);
     zip_source_t *source = zip_source_function(npz->zip, array_read, a);
     const zip_int64_t at = source != NULL ? zip_file_add(npz->zip, entry, source, ZIP_FL_ENC_UTF_8)
                                           : -1;
     if (at < 0)
         zip_source_free(source);
-    if (at < 0 || zip_set_file_compression(npz->zip, (zip_uint64_t)at, ZIP_CM_DEFLATE, 1) != 0 ||
+    if (at < 0 || zip_set_file_compression(npz->zip, (zip_uint64_t)at, ZIP_CM_STORE, 0) != 0 ||
         zip_file_set_dostime(npz->zip, (zip_uint64_t)at, DOS_TIME, DOS_DATE, 0) != 0)
         return error_set(err, ERROR_FAILED, "the archive does not take %s: %s", entry,
                          zip_strerror(npz->zip));
     return true;
+}
+
+bool npz_add(Npz *npz, const char *name, const char *type, size_t rows, size_t columns,
+             const void *data, Error *err)
+{
+    assert(npz != NULL && npz->count < ARRAYS_MOST && data != NULL);
+    NpzArray *a = &npz->array[npz->count];
+    *a = (NpzArray){ .data = data };
+    make_header(a, type, rows, columns);
+    a->size = element_size(type) * (rows == SIZE_MAX ? 1 : rows) * (columns > 0 ? columns : 1);
+    return add_entry(npz, name, err);
+}
+
+bool npz_add_stream(Npz *npz, const char *name, const char *type, size_t rows, NpzRead read,
+                    void *context, Error *err)
+{
+    assert(npz != NULL && npz->count < ARRAYS_MOST && read != NULL);
+    NpzArray *a = &npz->array[npz->count];
+    *a = (NpzArray){ .read = read, .context = context };
+    make_header(a, type, rows, 0);
+    a->size = element_size(type) * rows;
+    return add_entry(npz, name, err);
+}
+
+bool npz_give(Npz *npz, const char *name, const char *type, size_t rows, size_t columns,
+              void *data, Error *err)
+{
+    if (data == NULL)
+        return false;
+    const bool added = npz_add(npz, name, type, rows, columns, data, err);
+    npz->array[npz->count - 1].owned = data;
+    return added;
 }
 
 /* The code point that begins at *text, which moves on; bytes that are no UTF-8 stand for
@@ -188,9 +220,7 @@ bool npz_add_words(Npz *npz, const char *name, const char *const *word, size_t c
             letters[i * WORD_MOST + k] = next_letter(&text);
     }
     snprintf(type, sizeof type, "<U%d", WORD_MOST);
-    const bool added = npz_add(npz, name, type, count, 0, letters, err);
-    npz->array[npz->count - 1].owned = letters;
-    return added;
+    return npz_give(npz, name, type, count, 0, letters, err);
 }
 
 bool npz_commit(Npz *npz, Error *err)

@@ -68,6 +68,11 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       NULL, "rays per patch to surfaces that emit" },
     { OPTION_CLOSURE, "--closure", "WHAT", LINKING, KIND_CHOICE, FIELD(closure), 0, 0,
       "none,rows,reciprocity,both", "enforce row sums, reciprocity on the factors (default both)" },
+    { OPTION_STORAGE, "--storage", "BITS", LINKING, KIND_CHOICE, FIELD(storage), 0, 0, "32,16",
+      "of each factor; 16: half the memory, rounded by at most 0.05 % (default 32)" },
+    { OPTION_FACTORS, "--factors", "FILE",
+      COMMAND_RENDER | COMMAND_SOLVE | COMMAND_MEASURE | COMMAND_FACTORS, KIND_TEXT,
+      FIELD(factors), 0, 0, NULL, "read the factors as cast from there; write them if it is not" },
     { OPTION_SOLVER, "--solver", "NAME", SOLVING, KIND_CHOICE, FIELD(solver), 0, 0,
       "gauss-seidel,jacobi,progressive,sor,cg,gmres", "default gauss-seidel" },
     { OPTION_TOLERANCE, "--tolerance", "X", SOLVING, KIND_NUMBER, FIELD(tolerance), 1e-14, 1, NULL,
@@ -317,6 +322,9 @@ static bool options_agree(const Options *options, Error *err)
         !options->adapt)
         return error_set(err, ERROR_USAGE, "give --patch-size or --patches, not both, but for "
                          "--adapt, which takes the greatest size and the total");
+    if (options->adapt && options->factors != NULL)
+        return error_set(err, ERROR_USAGE, "--factors keeps patches that do not depend on light; "
+                         "it does not go with --adapt");
     if (options->adapt && options->no_adapt)
         return error_set(err, ERROR_USAGE, "give --adapt or --no-adapt, not both");
     if (options->camera != NULL && options_given(options, OPTION_EYE))

@@ -32,6 +32,7 @@ typedef enum { QUALITY_DRAFT, QUALITY_MEDIUM, QUALITY_HIGH, QUALITY_FINAL } Qual
 typedef enum { PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_JSON, PROGRESS_NONE } ProgressStyle;
 typedef enum { BY_GROUP, BY_MATERIAL, BY_PATCH } FactorsBy;
 typedef enum { EXCHANGE_NONE, EXCHANGE_GEBHART, EXCHANGE_HOTTEL, EXCHANGE_FLUX } ExchangeTable;
+typedef enum { STORAGE_32, STORAGE_16 } StorageBits;
 typedef enum { UNITS_PHOTOMETRIC, UNITS_RADIOMETRIC } Units;
 typedef enum { USE_AUTO, USE_FRONT, USE_BOTH } UseSides;
 /* The order of the words of --repair. */
@@ -66,6 +67,8 @@ typedef enum {
     OPTION_RAYS,
     OPTION_LAMP_RAYS,
     OPTION_CLOSURE,
+    OPTION_STORAGE,
+    OPTION_FACTORS,
     OPTION_SOLVER,
     OPTION_TOLERANCE,
     OPTION_MAX_ITERATIONS,
@@ -105,7 +108,9 @@ typedef struct Options {
     const char *other;       /* compare: the picture */
     uint64_t    given;       /* bit OptionId: it was on the command line */
     const char *output, *json, *camera, *points, *filter, *trace, *emissivity, *temperature;
-    int         quality, progress, closure, solver, by, exchange, emit, sides, units, light;
+    const char *factors;     /* file of factors as cast */
+    int         quality, progress, closure, storage, solver, by, exchange, emit, sides, units;
+    int         light;
     bool        print_config, diffuse, help, adapt, no_adapt, constant;
     uint32_t    repair;      /* bit RepairBit: do it */
     uint32_t    samples;     /* compare: points of a solution; 0: not given */

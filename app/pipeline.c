@@ -15,8 +15,8 @@
 /* What is asked of closed factors: row sums, reciprocity and balance to 1e-6. */
 static const double CLOSURE_TOLERANCE = 1e-6;
 
-/* In a hurry, factors are cast again with this many rays in all: about a second's work. */
-enum { HURRY_RAYS = 1 << 20, HURRY_RAYS_LEAST = 8, HURRY_SIDE_RAYS = 8 };
+/* Rays per side in a hurry. */
+enum { HURRY_SIDE_RAYS = 8 };
 
 const char *pipeline_stage_name(Stage stage)
 {
@@ -32,7 +32,7 @@ void pipeline_note(Pipeline *pipeline, Stage stage, double begin)
     pipeline->peak[stage] = progress_peak_bytes();
 }
 
-static void begin_stage(Pipeline *pipeline, Stage stage)
+void pipeline_begin(Pipeline *pipeline, Stage stage)
 {
     const Progress progress = { .stage = pipeline_stage_name(stage), .energy_left = -1 };
     monitor_progress(&pipeline->session->monitor, &progress);
@@ -48,8 +48,7 @@ bool pipeline_fits(const Pipeline *pipeline, uint64_t more, const char *what, Er
                      1e-6 * (double)more, 1e-6 * (double)used, 1e-6 * (double)limit);
 }
 
-/* Whether a stage that failed was only asked to stop: then it may run once more, roughly. */
-static bool hurry_instead(Pipeline *pipeline, Error *err)
+bool pipeline_hurry(Pipeline *pipeline, Error *err)
 {
     Session *session = pipeline->session;
     if (err->code != ERROR_STOPPED || session->hurry)
@@ -94,7 +93,7 @@ bool pipeline_read(Pipeline *pipeline, Error *err)
 {
     Session *session = pipeline->session;
     const double begin = progress_now();
-    begin_stage(pipeline, STAGE_READ);
+    pipeline_begin(pipeline, STAGE_READ);
     pipeline->scene = scene_read(session->options.scene,
                                  &(SceneReadOptions){ .monitor = &session->monitor }, err);
     if (pipeline->scene != NULL) {
@@ -114,7 +113,7 @@ bool pipeline_read(Pipeline *pipeline, Error *err)
 static bool build_surfaces(Pipeline *pipeline, bool last, Error *err)
 {
     const double begin = progress_now();
-    begin_stage(pipeline, STAGE_MESH);
+    pipeline_begin(pipeline, STAGE_MESH);
     Error found = *err;
     const Session *session = pipeline->session;
     const Polygons *soup = &pipeline->scene->polygons;
@@ -123,7 +122,7 @@ static bool build_surfaces(Pipeline *pipeline, bool last, Error *err)
     defects_clear(&pipeline->defects);
     /* What is wrong with a file is looked for in its faces as they are. */
     const bool cut = pipeline_imprint(pipeline, last, &imprint, &found);
-    if (!error_is_set(&found) || hurry_instead(pipeline, &found))
+    if (!error_is_set(&found) || pipeline_hurry(pipeline, &found))
         pipeline->surfaces = surfaces_repair(cut ? &imprint.soup : soup,
                                              &session->settings.repair,
                                              check ? &pipeline->defects : NULL,
@@ -144,7 +143,7 @@ static bool build_bvh(Pipeline *pipeline, Error *err)
 {
     const Surfaces *s = pipeline->surfaces;
     const double begin = progress_now();
-    begin_stage(pipeline, STAGE_BVH);
+    pipeline_begin(pipeline, STAGE_BVH);
     const Primitives primitives = { .position = s->position, .corner = s->corner,
                                     .shape = s->shape, .vertex_count = s->vertex_count,
                                     .triangle_count = s->triangle_count,
@@ -251,7 +250,7 @@ static bool find_sides(Pipeline *pipeline, Error *err)
                           scene->lights, scene->light_count, &so, pipeline->sides,
                           pipeline->emitting, &pipeline->sides_report, &session->monitor, err);
         so.rays = HURRY_SIDE_RAYS;
-    } while (!done && hurry_instead(pipeline, err));
+    } while (!done && pipeline_hurry(pipeline, err));
     array_free(eyes);
     return done;
 }
@@ -278,7 +277,7 @@ bool pipeline_sides(Pipeline *pipeline, Error *err)
     const double begin = progress_now();
     const uint32_t count = pipeline->surfaces->count;
     assert(pipeline->bvh != NULL && pipeline->sides == NULL);
-    begin_stage(pipeline, STAGE_MESH);
+    pipeline_begin(pipeline, STAGE_MESH);
     pipeline->sides = array_create(count, 1, "sides", err);
     pipeline->emitting = array_create(count, 1, "sides", err);
     if (pipeline->sides == NULL || pipeline->emitting == NULL || !find_sides(pipeline, err))
@@ -301,7 +300,7 @@ bool pipeline_patches(Pipeline *pipeline, Error *err)
                               .sides = pipeline->sides, .emitting = pipeline->emitting };
     do {
         pipeline->patches = patches_create(pipeline->surfaces, &po, &session->monitor, err);
-    } while (pipeline->patches == NULL && hurry_instead(pipeline, err));
+    } while (pipeline->patches == NULL && pipeline_hurry(pipeline, err));
     if (pipeline->patches == NULL)
         return false;
     set_room(pipeline);
@@ -310,68 +309,6 @@ bool pipeline_patches(Pipeline *pipeline, Error *err)
         return error_set(err, ERROR_INPUT, "%s: no side of any surface can be reached by light "
                          "or eye; try --sides front", session->options.scene);
     return pipeline_fits(pipeline, 0, session->options.scene, err);
-}
-
-/* --- factors ---------------------------------------------------------------------------------- */
-
-/* Bytes that links may take: what --max-memory leaves, half of it when a closed copy is made. */
-static uint64_t links_budget(const Pipeline *pipeline)
-{
-    const uint64_t limit = pipeline->session->options.max_memory, used = progress_peak_bytes();
-    const uint64_t left = limit > used ? limit - used : 1;
-    if (limit == 0)
-        return 0;
-    return pipeline->session->settings.closure == CLOSURE_NONE ? left : left / 2 + 1;
-}
-
-static bool close_links(Pipeline *pipeline, Error *err)
-{
-    Session *session = pipeline->session;
-    if (session->settings.closure == CLOSURE_NONE)
-        return true;
-    Links *closed;
-    do {
-        closed = links_close(pipeline->links, session->settings.closure,
-                             session->settings.threads, &session->monitor, err);
-    } while (closed == NULL && hurry_instead(pipeline, err));
-    if (closed == NULL)
-        return false;
-    links_destroy(pipeline->links);
-    pipeline->links = closed;
-    return links_report(closed, &pipeline->report, err);
-}
-
-bool pipeline_factors(Pipeline *pipeline, Error *err)
-{
-    Session *session = pipeline->session;
-    const Settings *settings = &session->settings;
-    const double begin = progress_now();
-    assert(pipeline->patches != NULL && pipeline->links == NULL);
-    begin_stage(pipeline, STAGE_FACTORS);
-    LinksOptions lo = { .rays = settings->rays, .lamp_rays = settings->lamp_rays,
-                        .seed = settings->seed, .threads = settings->threads,
-                        .max_bytes = links_budget(pipeline) };
-    bool again;
-    do {
-        pipeline->links = links_create(&pipeline->room, &lo, &session->monitor, err);
-        again = pipeline->links == NULL && hurry_instead(pipeline, err);
-        const uint32_t few = HURRY_RAYS / pipeline->patches->count;
-        lo.rays = few < lo.rays ? few : lo.rays;
-        lo.rays = lo.rays > HURRY_RAYS_LEAST ? lo.rays : HURRY_RAYS_LEAST;
-        lo.lamp_rays = lo.rays / 4;
-    } while (again);
-    if (pipeline->links == NULL)
-        return false;
-    if (settings->adapt && !session->hurry &&
-        !pipeline_adapt(pipeline, lo.max_bytes, &pipeline->adapt, err))
-        return false;
-    pipeline->factors_seconds = pipeline->links->seconds;
-    if (!links_report(pipeline->links, &pipeline->raw, err))
-        return false;
-    pipeline->report = pipeline->raw;
-    const bool closed = close_links(pipeline, err);
-    pipeline_note(pipeline, STAGE_FACTORS, begin);
-    return closed && pipeline_fits(pipeline, 0, session->options.scene, err);
 }
 
 /* --- solve ------------------------------------------------------------------------------------ */
@@ -420,14 +357,14 @@ bool pipeline_solve(Pipeline *pipeline, Error *err)
     const Settings *settings = &session->settings;
     const double begin = progress_now();
     assert(pipeline->links != NULL && pipeline->solution == NULL);
-    begin_stage(pipeline, STAGE_SOLVE);
+    pipeline_begin(pipeline, STAGE_SOLVE);
     const DirectOptions direct = { .seed = settings->seed, .threads = settings->threads,
                                    .balance = settings->closure != CLOSURE_NONE };
     bool lit;
     do {
         lit = direct_create(&pipeline->room, pipeline->links, &direct, &pipeline->direct,
                             &session->monitor, err);
-    } while (!lit && hurry_instead(pipeline, err));
+    } while (!lit && pipeline_hurry(pipeline, err));
     if (!lit || !set_problem(pipeline, err))
         return false;
     Trace trace;
@@ -467,6 +404,7 @@ void pipeline_clear(Pipeline *pipeline)
     array_free(pipeline->reflectance);
     array_free(pipeline->direct.irradiance);
     links_destroy(pipeline->links);
+    links_destroy(pipeline->raw_links);
     patches_destroy(pipeline->patches);
     array_free(pipeline->sides);
     array_free(pipeline->emitting);

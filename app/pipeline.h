@@ -49,7 +49,12 @@ typedef struct Pipeline {
     Patches     *patches;
     Room         room;
     Links       *links;
-    LinksReport  raw, report;       /* of the links as cast, and as used */
+    LinksReport  raw, report;       /* of the links as cast, and as enforced */
+    LinksChange  change;            /* of factors, by enforcing */
+    double       closure_seconds;   /* of enforcing alone */
+    double       rounding;          /* largest, relative, of factors in 16 bits */
+    bool         factors_loaded;    /* from --factors */
+    Links       *raw_links;         /* as cast; factors alone keeps them, else NULL */
     AdaptReport  adapt;
     double       factors_seconds;   /* casting alone, without closure */
     Direct       direct;
@@ -70,7 +75,7 @@ bool pipeline_read(Pipeline *pipeline, Error *err);
 bool pipeline_mesh(Pipeline *pipeline, Error *err);   /* surfaces and BVH */
 bool pipeline_sides(Pipeline *pipeline, Error *err);  /* sides in use; part of the next */
 bool pipeline_patches(Pipeline *pipeline, Error *err);
-bool pipeline_factors(Pipeline *pipeline, Error *err);
+bool pipeline_factors(Pipeline *pipeline, Error *err); /* pipeline_factors.c */
 bool pipeline_solve(Pipeline *pipeline, Error *err);
 
 /* Chooses the camera: --camera, --eye, the file's first, else one that shows the room. Between
@@ -79,6 +84,10 @@ bool pipeline_camera(Pipeline *pipeline, Error *err);
 
 /* Fails with ERROR_MEMORY when `more` bytes on top of what is in use pass --max-memory. */
 bool pipeline_fits(const Pipeline *pipeline, uint64_t more, const char *what, Error *err);
+/* Tells that a stage begins. */
+void pipeline_begin(Pipeline *pipeline, Stage stage);
+/* Whether a stage that failed was only asked to stop: then it may run once more, roughly. */
+bool pipeline_hurry(Pipeline *pipeline, Error *err);
 /* Adds the time since `begin` to a stage and notes the memory. */
 void pipeline_note(Pipeline *pipeline, Stage stage, double begin);
 const char *pipeline_stage_name(Stage stage);

@@ -36,7 +36,7 @@ typedef struct {
     AdaptReport *report;
     Monitor      monitor;    /* progress over all passes */
     double       begin, end; /* share of all work of the pass under way */
-    uint64_t     max_bytes;
+    const LinksOptions *links;
     uint32_t     wanted;
     double       least_size;
 } Adaption;
@@ -223,13 +223,9 @@ static bool divide(Adaption *a, Pass *pass, double goal, double worth, Patches *
 static bool take(Adaption *a, Patches *finer, const uint32_t *parent, Error *err)
 {
     Pipeline *pipeline = a->pipeline;
-    const Settings *settings = &pipeline->session->settings;
-    const LinksOptions lo = { .rays = settings->rays, .lamp_rays = settings->lamp_rays,
-                              .seed = settings->seed, .threads = settings->threads,
-                              .max_bytes = a->max_bytes };
     Room room = pipeline->room;
     room.patches = finer;
-    Links *links = links_refine(pipeline->links, &room, parent, &lo, &a->monitor, err);
+    Links *links = links_refine(pipeline->links, &room, parent, a->links, &a->monitor, err);
     if (links == NULL) {
         patches_destroy(finer);
         return false;
@@ -266,12 +262,12 @@ static bool run_pass(Adaption *a, double goal, double worth, bool *more, Error *
     return done;
 }
 
-bool pipeline_adapt(Pipeline *pipeline, uint64_t max_bytes, AdaptReport *report, Error *err)
+bool pipeline_adapt(Pipeline *pipeline, const LinksOptions *links, AdaptReport *report, Error *err)
 {
     assert(pipeline->links != NULL && pipeline->patches != NULL);
     const Settings *settings = &pipeline->session->settings;
     const uint32_t start = pipeline->patches->count;
-    Adaption a = { .pipeline = pipeline, .report = report, .max_bytes = max_bytes,
+    Adaption a = { .pipeline = pipeline, .report = report, .links = links,
                    .least_size = settings->least_size, .wanted = settings->patches };
     a.monitor = pipeline->session->monitor;
     a.monitor.user = &a;

@@ -13,8 +13,8 @@
 uint32_t pipeline_adapt_start(const Settings *settings);
 
 /* Takes patches and links as cast, and leaves finer ones in their place, links still as cast.
- * max_bytes  limit for links, 0: none.
+ * links  how the first ones were cast.
  * A stop leaves what was reached, and the session in a hurry. */
-bool pipeline_adapt(Pipeline *pipeline, uint64_t max_bytes, AdaptReport *report, Error *err);
+bool pipeline_adapt(Pipeline *pipeline, const LinksOptions *links, AdaptReport *report, Error *err);
 
 #endif

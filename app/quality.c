@@ -22,11 +22,13 @@ static const Level levels[] = {
     [QUALITY_FINAL] = { 40000, 1024, 256, 1024, 4, 65536, 1e-8 },
 };
 
-/* By default only where the number of patches is free: who asks for a size means it. */
+/* By default only where the number of patches is free: who asks for a size means it. Factors that
+ * are kept must serve other light as well. */
 static bool adapts(const Options *options)
 {
     const bool can = (options_table()[OPTION_ADAPT].commands & (unsigned)options->command) != 0;
-    const bool by_default = options->quality >= QUALITY_MEDIUM && !(options->patch_size > 0);
+    const bool by_default = options->quality >= QUALITY_MEDIUM && !(options->patch_size > 0) &&
+                            options->factors == NULL;
     return can && !options->no_adapt && (options->adapt || by_default);
 }
 
@@ -124,6 +126,7 @@ void quality_print(FILE *out, const Options *options, const Settings *s)
     print_value(out, options, OPTION_RAYS, s->rays);
     print_value(out, options, OPTION_LAMP_RAYS, s->lamp_rays);
     print_choice(out, options, OPTION_CLOSURE, (int)s->closure);
+    print_choice(out, options, OPTION_STORAGE, options->storage);
     print_choice(out, options, OPTION_SOLVER, (int)s->solver);
     print_value(out, options, OPTION_TOLERANCE, s->tolerance);
     print_value(out, options, OPTION_MAX_ITERATIONS, s->max_iterations);

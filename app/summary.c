@@ -119,6 +119,33 @@ static void put_errors(Json *json, const LinksReport *report)
     json_number(json, "reciprocity_error_rms", report->reciprocity_error_rms);
 }
 
+/* What enforcing changed, and how the factors are stored. */
+static void put_enforced(Json *json, const Pipeline *pipeline)
+{
+    const LinksChange *change = &pipeline->change;
+    json_number(json, "cast_seconds", pipeline->factors_seconds);
+    json_number(json, "closure_seconds", pipeline->closure_seconds);
+    json_open(json, "change", '{');
+    json_number(json, "largest", change->largest);
+    json_number(json, "before", change->before);
+    json_number(json, "after", change->after);
+    json_count(json, "row", change->row);
+    json_count(json, "column", change->column);
+    json_number(json, "escaped", change->escape);
+    json_close(json, '}');
+    json_open(json, "storage", '{');
+    json_count(json, "bits", pipeline->links->packed != NULL ? 16 : 32);
+    json_number(json, "rounding", pipeline->rounding);
+    json_count(json, "file_bytes", pipeline->links->mapped);
+    json_close(json, '}');
+    if (pipeline->session->options.factors != NULL) {
+        json_open(json, "file", '{');
+        json_text(json, "name", pipeline->session->options.factors);
+        json_bool(json, "read", pipeline->factors_loaded);
+        json_close(json, '}');
+    }
+}
+
 static void put_factors(Json *json, const Pipeline *pipeline)
 {
     static const char *const closures[] = { "none", "rows", "reciprocity", "both" };
@@ -136,7 +163,10 @@ static void put_factors(Json *json, const Pipeline *pipeline)
     json_number(json, "escaped", report->escaped);
     json_open(json, "raw", '{');
     put_errors(json, &pipeline->raw);
+    json_number(json, "escaped", pipeline->raw.escaped);
+    json_count(json, "nonzeros", pipeline->raw.nonzeros);
     json_close(json, '}');
+    put_enforced(json, pipeline);
     json_close(json, '}');
 }
 
@@ -284,6 +314,17 @@ static void print_light(const Pipeline *pipeline)
                 fmax(e[0].error, fmax(e[1].error, e[2].error)));
 }
 
+static void print_enforced(const Pipeline *pipeline)
+{
+    if (pipeline->session->settings.closure != CLOSURE_NONE)
+        session_say(pipeline->session,
+                    "           closure took %.2f s and changed factors by %.2g at most",
+                    pipeline->closure_seconds, pipeline->change.largest);
+    if (pipeline->links->packed != NULL)
+        session_say(pipeline->session, "           in 16 bits, rounded by %.2g of themselves at most",
+                    pipeline->rounding);
+}
+
 void summary_print(const Pipeline *pipeline)
 {
     Session *session = pipeline->session;
@@ -294,8 +335,11 @@ void summary_print(const Pipeline *pipeline)
     if (pipeline->links != NULL) {
         const double seconds = pipeline->factors_seconds;
         const double rate = seconds > 0 ? 1e-6 * (double)pipeline->links->rays / seconds : 0;
-        session_say(session, "  factors  %.3g rays, %.2f Mray/s, %.3g MB, %.2f s",
-                    (double)pipeline->links->rays, rate, 1e-6 * (double)pipeline->report.bytes,
+        session_say(session, "  factors  %.3g rays%s, %.2f Mray/s, %.3g MB%s, %.2f s",
+                    (double)pipeline->links->rays,
+                    pipeline->factors_loaded ? " read from the file" : "", rate,
+                    1e-6 * (double)pipeline->report.bytes,
+                    pipeline->links->mapped > 0 ? " in a file" : "",
                     pipeline->seconds[STAGE_FACTORS]);
         session_say(session,
                     "           row sums off by %.2g at most (%.2g before closure), reciprocity "
@@ -303,6 +347,7 @@ void summary_print(const Pipeline *pipeline)
                     pipeline->report.row_sum_error_max, pipeline->raw.row_sum_error_max,
                     pipeline->report.reciprocity_error_max, pipeline->raw.reciprocity_error_max,
                     pipeline->report.escaped);
+        print_enforced(pipeline);
     }
     if (pipeline->solution != NULL)
         print_light(pipeline);

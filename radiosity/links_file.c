@@ -27,6 +27,9 @@ typedef struct {
     bool     good;
 } Stream;
 
+/* Bytes of mapped links that are in memory at a time. */
+enum { PIECE = 1 << 24 };
+
 static void put(Stream *s, const void *bytes, size_t size)
 {
     s->hash = file_hash(bytes, size, s->hash);
@@ -39,6 +42,27 @@ static void take(Stream *s, void *bytes, size_t size)
     s->good = s->good && (size == 0 || fread(bytes, size, 1, s->stream) == 1);
     if (s->good)
         s->hash = file_hash(bytes, size, s->hash);
+}
+
+/* The links of a row after the other, so that mapped ones stay out of memory. */
+static void put_links(Stream *s, const Links *links, const void *array, size_t size)
+{
+    const uint64_t nonzeros = links->first[links->count];
+    for (uint64_t at = 0; at < nonzeros; at += PIECE) {
+        const uint64_t n = nonzeros - at < PIECE ? nonzeros - at : PIECE;
+        put(s, (const char *)array + at * size, n * size);
+        links_leave(links, 0, links->count);
+    }
+}
+
+static void take_piecewise(Stream *s, const Links *links, void *array, size_t size)
+{
+    const uint64_t nonzeros = links->first[links->count];
+    for (uint64_t at = 0; at < nonzeros && s->good; at += PIECE) {
+        const uint64_t n = nonzeros - at < PIECE ? nonzeros - at : PIECE;
+        take(s, (char *)array + at * size, n * size);
+        links_leave(links, 0, links->count);
+    }
 }
 
 /* Of the whole file. The counts are below 2^32 and 2^58: the sum does not overflow. */
@@ -66,7 +90,7 @@ uint64_t links_file_bytes(const Links *links)
 
 bool links_save(const Links *links, uint64_t key, const char *path, Error *err)
 {
-    assert(links != NULL && path != NULL && err != NULL);
+    assert(links != NULL && links->packed == NULL && path != NULL && err != NULL);
     OutFile *file = outfile_open(path, err);
     if (file == NULL)
         return false;
@@ -75,8 +99,8 @@ bool links_save(const Links *links, uint64_t key, const char *path, Error *err)
     Stream s = { .stream = outfile_stream(file), .good = true };
     put(&s, &h, sizeof h);
     put(&s, links->first, (n + 1) * sizeof *links->first);
-    put(&s, links->source, h.nonzeros * sizeof *links->source);
-    put(&s, links->form_factor, h.nonzeros * sizeof *links->form_factor);
+    put_links(&s, links, links->source, sizeof *links->source);
+    put_links(&s, links, links->form_factor, sizeof *links->form_factor);
     put(&s, links->escape, n * sizeof *links->escape);
     put(&s, links->area, n * sizeof *links->area);
     if (links->lamp != NULL)
@@ -108,19 +132,27 @@ static bool rows_rise(const Links *links, uint64_t nonzeros)
     for (uint32_t i = 0; i < links->count; i++)
         if (links->first[i] > links->first[i + 1])
             return false;
-    return links->first[links->count] == nonzeros;
+    return links->first[0] == 0 && links->first[links->count] == nonzeros;
 }
 
-static Links *take_links(Stream *s, const LinksHeader *h, const char *path, Error *err)
+static Links *take_links(Stream *s, const LinksHeader *h, const char *path,
+                         const LinksOptions *options, Error *err)
 {
-    Links *links = links_allocate(h->count, h->nonzeros, err);
+    const size_t n = h->count;
+    const char *folder = NULL;
+    uint64_t sum = 0;
+    if (!links_choose_folder((double)file_bytes(h), h->count, options, &folder, err))
+        return NULL;
+    Links *links = links_allocate_in(h->count, h->nonzeros, folder, err);
     if (links == NULL)
         return NULL;
-    const size_t n = h->count;
-    uint64_t sum = 0;
     take(s, links->first, (n + 1) * sizeof *links->first);
-    take(s, links->source, h->nonzeros * sizeof *links->source);
-    take(s, links->form_factor, h->nonzeros * sizeof *links->form_factor);
+    if (!s->good || !rows_rise(links, h->nonzeros)) {
+        refuse(path, "is damaged: its rows are not in order", err);
+        return links_destroy(links);
+    }
+    take_piecewise(s, links, links->source, sizeof *links->source);
+    take_piecewise(s, links, links->form_factor, sizeof *links->form_factor);
     take(s, links->escape, n * sizeof *links->escape);
     take(s, links->area, n * sizeof *links->area);
     if (h->lamps)
@@ -134,14 +166,65 @@ static Links *take_links(Stream *s, const LinksHeader *h, const char *path, Erro
     links->seconds = h->seconds;
     if (!s->good || sum != hash)
         refuse(path, "is damaged: its checksum does not fit", err);
-    else if (!rows_rise(links, h->nonzeros) || !links_check(links))
+    else if (!links_check(links))
         refuse(path, "holds factors that cannot be", err);
     return error_is_set(err) ? links_destroy(links) : links;
 }
 
-Links *links_load(const char *path, uint64_t key, bool *other, Error *err)
+/* --- the key ---------------------------------------------------------------------------------- */
+
+static uint64_t hash_shape(const Shape *shape, uint64_t hash)
 {
-    assert(path != NULL && err != NULL);
+    const uint32_t kind = (uint32_t)shape->kind;
+    hash = file_hash(&kind, sizeof kind, hash);
+    hash = file_hash(&shape->ratio, sizeof shape->ratio, hash);
+    return file_hash(&shape->to_world, sizeof shape->to_world, hash);
+}
+
+static uint64_t hash_patches(const Room *room, uint64_t hash)
+{
+    const Patches *p = room->patches;
+    const size_t n = p->count;
+    hash = file_hash(p->surface, n * sizeof *p->surface, hash);
+    hash = file_hash(p->side, n * sizeof *p->side, hash);
+    hash = file_hash(p->area, n * sizeof *p->area, hash);
+    hash = file_hash(p->centre, n * sizeof *p->centre, hash);
+    hash = file_hash(p->normal, n * sizeof *p->normal, hash);
+    hash = file_hash(p->first_piece, (n + 1) * sizeof *p->first_piece, hash);
+    hash = file_hash(p->piece, p->first_piece[n] * sizeof *p->piece, hash);
+    for (uint32_t i = 0; i < p->count; i++) {
+        /* Field by field: there are gaps between them. */
+        const uint32_t cell[] = { p->cell[i].i, p->cell[i].j, p->cell[i].upper, p->cell[i].level,
+                                  rgb_luminance(room_emission(room, i)) > 0 };
+        hash = file_hash(cell, sizeof cell, hash);
+    }
+    return hash;
+}
+
+uint64_t links_key(const Room *room, const LinksOptions *options)
+{
+    const Surfaces *s = room->surfaces;
+    const uint32_t numbers[] = { options->rays, options->lamp_rays, options->seed,
+                                 room->sides_given, s->count, s->triangle_count, s->shape_count,
+                                 room->patches->count };
+    uint64_t hash = file_hash(numbers, sizeof numbers, 0);
+    hash = file_hash(&room->offset, sizeof room->offset, hash);
+    hash = file_hash(s->position, s->vertex_count * sizeof *s->position, hash);
+    hash = file_hash(s->corner, 3 * (size_t)s->triangle_count * sizeof *s->corner, hash);
+    hash = file_hash(s->triangle_surface, s->triangle_count * sizeof *s->triangle_surface, hash);
+    for (uint32_t i = 0; i < s->shape_count; i++)
+        hash = hash_shape(&s->shape[i], hash);
+    return hash_patches(room, hash);
+}
+
+/* --- loading ---------------------------------------------------------------------------------- */
+
+Links *links_load(const char *path, uint64_t key, const LinksOptions *options, bool *other,
+                  Error *err)
+{
+    assert(path != NULL && options != NULL && err != NULL);
+    if (error_is_set(err))
+        return NULL;
     LinksHeader h;
     Links *links = NULL;
     struct stat info;
@@ -159,7 +242,7 @@ Links *links_load(const char *path, uint64_t key, bool *other, Error *err)
     }
     if (take_header(&s, path, &h, err)) {
         if (h.key == key)
-            links = take_links(&s, &h, path, err);
+            links = take_links(&s, &h, path, options, err);
         else
             refuse(path, "was made from another scene or with other options", err);
         if (other != NULL)

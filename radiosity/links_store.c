@@ -12,7 +12,7 @@
 
 /* What must be in memory though the links are not: per patch the vectors of closing and solving,
  * and what a block of columns and the threads' rows take. */
-static const double BYTES_PER_PATCH = 256, BYTES_OF_BLOCKS = 32 << 20;
+static const double BYTES_PER_PATCH = 256, BYTES_OF_BLOCKS = 24 << 20;
 
 bool links_choose_folder(double bytes, uint32_t patches, const LinksOptions *options,
                          const char **folder, Error *err)

@@ -39,6 +39,8 @@ static float    factor[] = { 0.25f, 0.1f, 0.3333333f }, escape[] = { 0.65f, 0.66
 static double   area[] = { 1, 0.75, 1e-9 };
 static uint8_t  lamp[] = { 0, 1, 0 };
 
+static const LinksOptions in_memory = { .max_bytes = 0 };
+
 static Links some_links(bool lamps)
 {
     return (Links){ .count = 3, .first = first, .source = source, .form_factor = factor,
@@ -54,7 +56,7 @@ static void the_same_bits_come_back(void **state)
         Error err = { 0 };
         assert_true(links_save(&links, 42, path, &err));
         bool other = true;
-        Links *back = links_load(path, 42, &other, &err);
+        Links *back = links_load(path, 42, &in_memory, &other, &err);
         assert_non_null(back);
         assert_false(other);
         assert_int_equal(back->count, 3);
@@ -81,12 +83,12 @@ static void another_key_is_refused(void **state)
     Error err = { 0 };
     bool other = false;
     assert_true(links_save(&links, 42, path, &err));
-    assert_null(links_load(path, 43, &other, &err));
+    assert_null(links_load(path, 43, &in_memory, &other, &err));
     assert_true(other);
     assert_int_equal(err.code, ERROR_INPUT);
     err = (Error){ 0 };
     unlink(path);
-    assert_null(links_load(path, 42, &other, &err));
+    assert_null(links_load(path, 42, &in_memory, &other, &err));
     assert_int_equal(err.code, ERROR_INPUT);
     assert_false(other);
 }
@@ -113,7 +115,7 @@ static void damage_is_found(void **state)
         if (cut >= size)
             bytes[cut - size] ^= 0x10;
         err = (Error){ 0 };
-        assert_null(links_load(path, 42, NULL, &err));
+        assert_null(links_load(path, 42, &in_memory, NULL, &err));
         assert_int_equal(err.code, ERROR_INPUT);
         assert_int_equal(array_live(), 0);
     }
