@@ -6,6 +6,7 @@
 
 #include "app/commands.h"
 #include "app/output.h"
+#include "app/saving.h"
 #include "app/summary.h"
 #include "base/array.h"
 
@@ -62,7 +63,8 @@ static Image *gather(Pipeline *pipeline, Error *err)
                                .diffuse_only = session->options.diffuse,
                                .background = pipeline->scene->background,
                                .seed = session->settings.seed,
-                               .threads = session->settings.threads };
+                               .threads = session->settings.threads,
+                               .kept = saving_tiles(pipeline->saving) };
     Image *image = NULL;
     if (gatherer != NULL)
         image = render_gather(gatherer, &pipeline->camera, &ro, &pipeline->render,
@@ -77,7 +79,7 @@ static Image *gather(Pipeline *pipeline, Error *err)
 static void record_command(const Options *options, char *out, size_t size)
 {
     static const char *const left_out[] = { "--threads", "--json", "--progress", "--max-memory",
-                                            "--time-limit", "-o" };
+                                            "--time-limit", "--checkpoint", "--resume", "-o" };
     size_t used = (size_t)snprintf(out, size, "isolux %s", options->argv[0]);
     for (int i = 1; i < options->argc && used < size; i++) {
         bool skip = strncmp(options->argv[i], "-o", 2) == 0;
@@ -137,6 +139,8 @@ bool cmd_render(Pipeline *pipeline, int *exit_code, Error *err)
         return false;
     *exit_code = pipeline_exit_code(pipeline);
     Image *image = gather(pipeline, err);
+    if (image != NULL && err->code == ERROR_STOPPED && session->broken)
+        image = image_destroy(image);
     if (image != NULL && err->code == ERROR_STOPPED) {
         *exit_code = ERROR_STOPPED;
         *err = (Error){ 0 };

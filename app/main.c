@@ -4,6 +4,7 @@
 
 #include "app/commands.h"
 #include "app/output.h"
+#include "app/saving.h"
 #include "app/signals.h"
 #include "app/summary.h"
 
@@ -48,19 +49,23 @@ static int tell_error(const Error *err)
 static int run(Session *session)
 {
     Pipeline pipeline = { .session = session };
+    Saving saving;
     Error err = { 0 }, summary_error = { 0 };
     int code = 0;
     session->holding = true;
     output_probe(session->options.json, &session->options, &err);
     output_probe(session->options.output, &session->options, &err);
+    saving_begin(&saving, &pipeline, &err);
     progress_begin(&session->printer);
     if (!error_is_set(&err))
         command_run(session->options.command)(&pipeline, &code, &err);
     progress_clear(&session->printer);
+    if (error_is_set(&saving.error))
+        err = saving.error;
     /* A stop kills the importing child, or anything else that then fails: it is still a stop. */
     if (error_is_set(&err))
-        code = session_stopped(session) && err.code == ERROR_FAILED ? ERROR_STOPPED
-                                                                    : (int)err.code;
+        code = session_stopped(session) && err.code == ERROR_FAILED && !session->broken
+                   ? ERROR_STOPPED : (int)err.code;
     if (code != ERROR_INPUT)
         session_release(session);
     if (!session->told && !summary_write(&pipeline, code, &err, &summary_error) &&
@@ -70,6 +75,7 @@ static int run(Session *session)
     }
     if (error_is_set(&err))
         tell_error(&err);
+    saving_end(&saving, code == 0 || code == 4);
     pipeline_clear(&pipeline);
     return code;
 }

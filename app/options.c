@@ -25,6 +25,7 @@ _Static_assert(EMIT_AUTO == 0 && EMIT_FRONT == 1 && EMIT_BACK == 2 && EMIT_BOTH 
 /* Commands that solve, those that build patches and links, those that read a scene. */
 #define SOLVING (COMMAND_RENDER | COMMAND_SOLVE | COMMAND_MEASURE | COMMAND_BENCH)
 #define LINKING (SOLVING | COMMAND_FACTORS)
+#define SAVING (COMMAND_RENDER | COMMAND_SOLVE | COMMAND_MEASURE | COMMAND_FACTORS)
 #define READING (LINKING | COMMAND_CHECK)
 
 static const OptionRow option_rows[OPTION_COUNT] = {
@@ -81,6 +82,10 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       1, UINT32_MAX, NULL, "sweeps, or shots of progressive; default: no limit" },
     { OPTION_TRACE, "--trace", "FILE", SOLVING, KIND_TEXT, FIELD(trace), 0, 0, NULL,
       "CSV of the solver: step, seconds, rays, residual, unshot, error bound" },
+    { OPTION_CHECKPOINT, "--checkpoint", "T", SAVING, KIND_SECONDS, FIELD(checkpoint), 0, BIG,
+      NULL, "save what is done every 30s, 5min, and when stopped, as RESULT.checkpoint" },
+    { OPTION_RESUME, "--resume", "FILE", SAVING, KIND_TEXT, FIELD(resume), 0, 0, NULL,
+      "go on from such a file, to the same bytes as an unbroken run" },
     { OPTION_SIZE, "--size", "WxH", COMMAND_RENDER, KIND_PIXELS, FIELD(size), 0, 0,
       NULL, "picture size in pixels (default: the scene's, or 512x512)" },
     { OPTION_SPP, "--spp", "N", COMMAND_RENDER, KIND_COUNT, FIELD(spp), 1, 1 << 20, NULL,
@@ -307,7 +312,7 @@ static bool parse_option(Options *options, char **argv, int argc, int *at, Error
             return error_set(err, ERROR_USAGE, "%s needs a %s", row->name, row->argument);
         value = argv[++*at];
     }
-    options->given |= (uint64_t)1 << row->id;
+    options->given[row->id] = true;
     return store_value(options, row, value, err);
 }
 

@@ -73,6 +73,8 @@ typedef enum {
     OPTION_TOLERANCE,
     OPTION_MAX_ITERATIONS,
     OPTION_TRACE,
+    OPTION_CHECKPOINT,
+    OPTION_RESUME,
     OPTION_SIZE,
     OPTION_SPP,
     OPTION_GATHER_RAYS,
@@ -106,8 +108,9 @@ typedef struct Options {
     Command     command;
     const char *scene;       /* NULL: none given; compare: the reference */
     const char *other;       /* compare: the picture */
-    uint64_t    given;       /* bit OptionId: it was on the command line */
+    bool        given[OPTION_COUNT]; /* it was on the command line */
     const char *output, *json, *camera, *points, *filter, *trace, *emissivity, *temperature;
+    const char *resume;
     const char *factors;     /* file of factors as cast */
     int         quality, progress, closure, storage, solver, by, exchange, emit, sides, units;
     int         light;
@@ -117,6 +120,7 @@ typedef struct Options {
     uint32_t    threads, seed, patches, rays, lamp_rays, max_iterations, spp, gather_rays;
     uint64_t    max_memory;  /* bytes */
     double      time_limit;  /* seconds */
+    double      checkpoint;  /* seconds between two; only when given */
     double      patch_size, least_size, weld, surroundings, tolerance, fov, unit_m, lamp;
     double      exposure;    /* EV; meaningful only when exposure_set */
     bool        exposure_set;
@@ -161,7 +165,7 @@ bool options_parse(Options *options, int argc, char **argv, Error *err);
 
 static inline bool options_given(const Options *options, OptionId id)
 {
-    return (options->given >> id & 1) != 0;
+    return options->given[id];
 }
 
 /* Name of a command, or NULL; and back (COMMAND_NONE: no such command). */

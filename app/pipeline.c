@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "app/pipeline_adapt.h"
+#include "app/saving.h"
 #include "app/trace.h"
 #include "base/array.h"
 #include "math/tolerance.h"
@@ -51,8 +52,9 @@ bool pipeline_fits(const Pipeline *pipeline, uint64_t more, const char *what, Er
 bool pipeline_hurry(Pipeline *pipeline, Error *err)
 {
     Session *session = pipeline->session;
-    if (err->code != ERROR_STOPPED || session->hurry)
+    if (err->code != ERROR_STOPPED || session->hurry || session->broken)
         return false;
+    saving_tick(pipeline->saving);
     session->hurry = true;
     *err = (Error){ 0 };
     monitor_warn(&session->monitor, "hurried", session->options.scene, "%s: finishing roughly",
@@ -351,12 +353,27 @@ static void set_energy(Pipeline *pipeline)
     }
 }
 
+static bool run_solver(Pipeline *pipeline, Error *err)
+{
+    Session *session = pipeline->session;
+    const Settings *settings = &session->settings;
+    Trace trace;
+    if (!trace_begin(&trace, session->options.trace, pipeline->links->rays, err))
+        return false;
+    const SolveOptions so = { .solver = settings->solver, .tolerance = settings->tolerance,
+                              .max_iterations = settings->max_iterations,
+                              .threads = settings->threads, .trace_user = &trace,
+                              .trace = trace.file != NULL ? trace_step : NULL };
+    pipeline->solution = solve(pipeline->links, &pipeline->problem, &so, &session->monitor, err);
+    return trace_finish(&trace, err) && pipeline->solution != NULL && !session->broken;
+}
+
 bool pipeline_solve(Pipeline *pipeline, Error *err)
 {
     Session *session = pipeline->session;
     const Settings *settings = &session->settings;
     const double begin = progress_now();
-    assert(pipeline->links != NULL && pipeline->solution == NULL);
+    assert(pipeline->links != NULL);
     pipeline_begin(pipeline, STAGE_SOLVE);
     const DirectOptions direct = { .seed = settings->seed, .threads = settings->threads,
                                    .balance = settings->closure != CLOSURE_NONE };
@@ -367,16 +384,9 @@ bool pipeline_solve(Pipeline *pipeline, Error *err)
     } while (!lit && pipeline_hurry(pipeline, err));
     if (!lit || !set_problem(pipeline, err))
         return false;
-    Trace trace;
-    if (!trace_begin(&trace, session->options.trace, pipeline->links->rays, err))
+    if (pipeline->solution == NULL && !run_solver(pipeline, err))
         return false;
-    const SolveOptions so = { .solver = settings->solver, .tolerance = settings->tolerance,
-                              .max_iterations = settings->max_iterations,
-                              .threads = settings->threads, .trace_user = &trace,
-                              .trace = trace.file != NULL ? trace_step : NULL };
-    pipeline->solution = solve(pipeline->links, &pipeline->problem, &so, &session->monitor, err);
-    if (!trace_finish(&trace, err) || pipeline->solution == NULL)
-        return false;
+    saving_state(pipeline->saving, SAVING_SOLUTION);
     set_energy(pipeline);
     pipeline_note(pipeline, STAGE_SOLVE, begin);
     return pipeline_fits(pipeline, 0, session->options.scene, err);

@@ -62,6 +62,7 @@ typedef struct Pipeline {
     SolveProblem problem;
     Solution    *solution;
     Energy       energy[ROOM_BANDS];
+    struct Saving *saving;          /* the caller's; NULL: nothing is saved */
     RenderReport render;
     int          width, height;     /* of the picture; 0: none was made */
     double       exposure;          /* EV that the picture was shown with */

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "app/saving.h"
 #include "base/array.h"
 #include "radiosity/adapt.h"
 
@@ -75,8 +76,9 @@ static bool pass_stop(void *user)
 static bool stopped(Adaption *a, Error *err)
 {
     Session *session = a->pipeline->session;
-    if (err->code != ERROR_STOPPED)
+    if (err->code != ERROR_STOPPED || session->broken)
         return false;
+    saving_tick(a->pipeline->saving);
     *err = (Error){ 0 };
     session->hurry = true;
     a->report->stopped = true;
@@ -191,6 +193,29 @@ static bool divide_parts(const Pipeline *pipeline, const uint8_t *split, Patches
     return !error_is_set(err);
 }
 
+/* Divides the patches that an earlier run had chosen. */
+static bool divide_as(const Pipeline *pipeline, const uint8_t *split, Patches **finer,
+                      uint32_t **parent, Error *err)
+{
+    *finer = patches_split(pipeline->patches, pipeline->surfaces, split, parent, err);
+    return *finer != NULL && divide_parts(pipeline, split, finer, parent, err);
+}
+
+bool pipeline_adapt_again(Pipeline *pipeline, const uint8_t *split, Error *err)
+{
+    Patches *finer = NULL;
+    uint32_t *parent = NULL;
+    const bool done = divide_as(pipeline, split, &finer, &parent, err);
+    array_free(parent);
+    if (!done) {
+        patches_destroy(finer);
+        return false;
+    }
+    patches_destroy(pipeline->patches);
+    pipeline->room.patches = pipeline->patches = finer;
+    return true;
+}
+
 /* Divides the worst patches so that about `goal` result, and at most about as many as are wanted in
  * all. *finer is NULL when nothing is worth it. */
 static bool divide(Adaption *a, Pass *pass, double goal, double worth, Patches **finer,
@@ -209,7 +234,8 @@ static bool divide(Adaption *a, Pass *pass, double goal, double worth, Patches *
         *finer = patches_destroy(*finer);
         *parent = array_free(*parent);
         *finer = patches_split(pipeline->patches, pipeline->surfaces, pass->split, parent, err);
-        if (*finer == NULL || !divide_parts(pipeline, pass->split, finer, parent, err))
+        if (*finer == NULL || !divide_parts(pipeline, pass->split, finer, parent, err) ||
+            !saving_pass(pipeline->saving, pass->split, err))
             return false;
         const double got = (*finer)->count - count;
         if (count + got <= (1 + COUNT_TOLERANCE) * a->wanted)
@@ -223,9 +249,11 @@ static bool divide(Adaption *a, Pass *pass, double goal, double worth, Patches *
 static bool take(Adaption *a, Patches *finer, const uint32_t *parent, Error *err)
 {
     Pipeline *pipeline = a->pipeline;
+    LinksOptions lo = *a->links;
+    lo.kept = saving_rows(pipeline->saving);
     Room room = pipeline->room;
     room.patches = finer;
-    Links *links = links_refine(pipeline->links, &room, parent, a->links, &a->monitor, err);
+    Links *links = links_refine(pipeline->links, &room, parent, &lo, &a->monitor, err);
     if (links == NULL) {
         patches_destroy(finer);
         return false;
@@ -246,9 +274,14 @@ static bool run_pass(Adaption *a, double goal, double worth, bool *more, Error *
     Patches *finer = NULL;
     uint32_t *parent = NULL;
     const double begin = progress_now();
-    bool done = light_roughly(a, &pass, err) &&
-                find_errors(a, &pass, &report->error[report->passes], err) &&
-                divide(a, &pass, goal, worth, &finer, &parent, err);
+    const uint8_t *chosen = saving_chosen(a->pipeline->saving);
+    bool done;
+    if (chosen != NULL)
+        done = divide_as(a->pipeline, chosen, &finer, &parent, err);
+    else
+        done = light_roughly(a, &pass, err) &&
+               find_errors(a, &pass, &report->error[report->passes], err) &&
+               divide(a, &pass, goal, worth, &finer, &parent, err);
     report->seconds += progress_now() - begin;
     *more = done && finer != NULL && finer->count > a->pipeline->patches->count;
     pass_clear(&pass);
@@ -266,7 +299,9 @@ bool pipeline_adapt(Pipeline *pipeline, const LinksOptions *links, AdaptReport *
 {
     assert(pipeline->links != NULL && pipeline->patches != NULL);
     const Settings *settings = &pipeline->session->settings;
-    const uint32_t start = pipeline->patches->count;
+    if (report->patches[0] == 0)
+        report->patches[0] = pipeline->patches->count;
+    const uint32_t start = report->patches[0];
     Adaption a = { .pipeline = pipeline, .report = report, .links = links,
                    .least_size = settings->least_size, .wanted = settings->patches };
     a.monitor = pipeline->session->monitor;
@@ -274,13 +309,12 @@ bool pipeline_adapt(Pipeline *pipeline, const LinksOptions *links, AdaptReport *
     a.monitor.progress = pass_progress;
     a.monitor.stop = pass_stop;
     a.monitor.warn = NULL;
-    *report = (AdaptReport){ .patches = { start } };
     if (a.wanted == 0)
         a.wanted = (uint32_t)(start / START_SHARE);
     if (!(a.least_size > 0))
         a.least_size = LEAST_SHARE * pipeline->patches->size;
     bool more = true;
-    for (unsigned k = 1; more && k <= ADAPT_PASSES; k++) {
+    for (unsigned k = report->passes + 1; more && k <= ADAPT_PASSES; k++) {
         const double count = pipeline->patches->count;
         const bool last = k == ADAPT_PASSES;
         const double goal = count + (last ? 1 : PASS_SHARE) * (a.wanted - count);

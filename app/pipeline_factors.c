@@ -7,6 +7,7 @@
 
 #include "app/pipeline.h"
 #include "app/pipeline_adapt.h"
+#include "app/saving.h"
 #include "radiosity/links_file.h"
 
 /* In a hurry, factors are cast again with this many rays in all: about a second's work. */
@@ -42,6 +43,7 @@ static bool cast(Pipeline *pipeline, LinksOptions *lo, Error *err)
 {
     Session *session = pipeline->session;
     bool again;
+    lo->kept = saving_rows(pipeline->saving);
     do {
         pipeline->links = links_create(&pipeline->room, lo, &session->monitor, err);
         again = pipeline->links == NULL && pipeline_hurry(pipeline, err);
@@ -49,6 +51,7 @@ static bool cast(Pipeline *pipeline, LinksOptions *lo, Error *err)
         lo->rays = few < lo->rays ? few : lo->rays;
         lo->rays = lo->rays > HURRY_RAYS_LEAST ? lo->rays : HURRY_RAYS_LEAST;
         lo->lamp_rays = lo->rays / 4;
+        lo->kept = NULL;
     } while (again);
     return pipeline->links != NULL;
 }
@@ -121,15 +124,26 @@ bool pipeline_factors(Pipeline *pipeline, Error *err)
     char folder[4096];
     assert(pipeline->patches != NULL && pipeline->links == NULL);
     pipeline_begin(pipeline, STAGE_FACTORS);
+    if (!saving_resume(pipeline->saving, err))
+        return false;
+    if (pipeline->solution != NULL) { /* the links are not needed any more */
+        pipeline_note(pipeline, STAGE_FACTORS, begin);
+        return true;
+    }
     if (!spill_folder(&session->options, folder, sizeof folder, err))
         return false;
     const LinksOptions lo = { .rays = settings->rays, .lamp_rays = settings->lamp_rays,
                               .seed = settings->seed, .threads = settings->threads,
                               .max_bytes = links_budget(pipeline), .folder = folder };
-    if (!find_links(pipeline, &lo, err))
+    if (pipeline->links == NULL && !find_links(pipeline, &lo, err))
         return false;
+    saving_state(pipeline->saving, SAVING_LINKS);
     if (settings->adapt && !session->hurry &&
         !pipeline_adapt(pipeline, &lo, &pipeline->adapt, err))
+        return false;
+    saving_now(pipeline->saving);
+    saving_state(pipeline->saving, SAVING_NOTHING);
+    if (session->broken)
         return false;
     pipeline->factors_seconds = pipeline->links->seconds;
     if (!links_report(pipeline->links, &pipeline->raw, err))

@@ -62,6 +62,8 @@ static void take_progress(void *user, const Progress *progress)
 {
     Session *session = user;
     progress_show(&session->printer, progress);
+    if (session->tick != NULL)
+        session->tick(session->tick_user);
 }
 
 bool session_stopped(const Session *session)
@@ -72,7 +74,7 @@ bool session_stopped(const Session *session)
 static bool must_stop(void *user)
 {
     const Session *session = user;
-    return !session->hurry && session_stopped(session);
+    return session->broken || (!session->hurry && session_stopped(session));
 }
 
 const char *session_stop_reason(void)

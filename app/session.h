@@ -29,6 +29,9 @@ typedef struct Session {
     bool            holding;   /* keep warnings until session_release: a file that turns out to be
                                   unreadable shall give one line, not ten */
     bool            told;      /* the command wrote its own summary */
+    bool            broken;    /* what was to be saved cannot be: stop, whatever is asked */
+    void          (*tick)(void *user); /* called with each progress; NULL: not */
+    void           *tick_user;
 } Session;
 
 void session_init(Session *session, const Options *options);

@@ -40,3 +40,8 @@ uint32_t kept_rows_count(const KeptRows *rows)
         return 0;
     return rows->maker != NULL ? rows->maker->count : rows->count;
 }
+
+bool kept_rows_casting(const KeptRows *rows)
+{
+    return rows->maker != NULL;
+}

@@ -9,6 +9,7 @@
 #ifndef RADIOSITY_KEPT_ROWS_H
 #define RADIOSITY_KEPT_ROWS_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "base/error.h"
@@ -24,5 +25,7 @@ KeptRows *kept_rows_destroy(KeptRows *rows);
 void kept_rows_clear(KeptRows *rows);
 /* Rows of the cast that was loaded or is under way; 0: none. */
 uint32_t kept_rows_count(const KeptRows *rows);
+/* Whether a cast is under way. */
+bool kept_rows_casting(const KeptRows *rows);
 
 #endif

@@ -35,6 +35,8 @@ typedef struct {
     Rgb      background;
     uint32_t seed;
     unsigned threads;
+    struct KeptTiles *kept; /* tiles of an earlier run, and where finished ones can be saved from
+                               (render/kept_tiles.h); NULL: none */
 } RenderOptions;
 
 typedef struct {

@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "math/sampling.h"
 #include "render/internal.h"
+#include "render/kept_tiles.h"
 #include "render/normals.h"
 #include "render/specular.h"
 #include "render/wave.h"
@@ -273,10 +274,16 @@ static void render_tiles(void *context, uint32_t begin, uint32_t end, unsigned t
 {
     const Render *render = context;
     Worker       *worker = &render->worker[thread];
+    KeptTiles *kept = render->options->kept;
     for (uint32_t tile = begin; tile < end; tile++) {
+        if (kept != NULL && kept_tiles_has(kept, tile))
+            continue;
         worker->wave.rays = 0;
         render_tile(render, worker, tile);
         render->rays[tile] = worker->wave.rays;
+        /* Asked to stop, pixels may have fewer samples. */
+        if (kept != NULL && !monitor_stop(render->monitor))
+            kept_tiles_add(kept, tile);
     }
 }
 
@@ -334,10 +341,14 @@ static void render_run(Render *render, RenderReport *report, const Monitor *moni
     if (workers_create(render, err)) {
         const Progress base = { .stage = "gather", .done = 1, .energy_left = -1 };
         render->monitor = monitor;
-        if (!parallel_for(tiles, 1, render->options->threads, render_tiles, render, monitor,
-                          &base) ||
-            monitor_stop(monitor))
+        if (render->options->kept != NULL)
+            kept_tiles_begin(render->options->kept, render->image, TILE, render->rays, err);
+        if (!error_is_set(err) &&
+            (!parallel_for(tiles, 1, render->options->threads, render_tiles, render, monitor,
+                           &base) || monitor_stop(monitor)))
             error_set(err, ERROR_STOPPED, "the picture was stopped before it was complete");
+        if (render->options->kept != NULL)
+            kept_tiles_end(render->options->kept);
         for (uint32_t i = 0; i < tiles; i++)
             report->rays += render->rays[i];
     }

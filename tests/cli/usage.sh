@@ -15,8 +15,8 @@ for command in render solve factors measure check validate bench; do
 done
 ok "unknown command" fails 2 "unknown command 'rendr'" rendr "$cube"
 ok "unknown option with a guess" fails 2 'did you mean --quality' render "$cube" --qualty high
-ok "unknown option without a guess" fails 2 "unknown option '--checkpoint'" \
-    render "$cube" --checkpoint 5
+ok "unknown option without a guess" fails 2 "unknown option '--nosuchthing'" \
+    render "$cube" --nosuchthing 5
 ok "option of another command" fails 2 'not an option of check' check "$cube" --spp 4
 ok "compare with one picture" fails 2 "two pictures" compare a.exr
 ok "no scene" fails 2 'which scene' render
