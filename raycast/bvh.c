@@ -129,41 +129,55 @@ bool bvh_blocked(const Bvh *bvh, const Ray *ray)
     return bvh->kernel->blocked(bvh, ray);
 }
 
-/* Without memory to sort in rays are traced as they come: slower, the same answers. */
+/* Not cleared: that would take as long as the sorting. Without memory to sort in rays are traced as
+ * they come: slower, the same answers. */
 static Sorter *sorter_create(const Bvh *bvh, size_t count)
 {
     Error none = { 0 };
-    return bvh->kernel->keys != NULL && count >= SORT_LEAST
-               ? array_create(1, sizeof(Sorter), "order of rays", &none)
-               : NULL;
+    void *memory = NULL;
+    size_t capacity = 0;
+    if (bvh->kernel->keys == NULL || count < SORT_LEAST
+        || !array_reserve(&memory, &capacity, sizeof(Sorter) + _Alignof(Sorter), 1,
+                          "order of rays", &none))
+        return NULL;
+    const size_t past = (uintptr_t)memory % _Alignof(Sorter);
+    Sorter *sorter = (Sorter *)(void *)((char *)memory + (_Alignof(Sorter) - past));
+    sorter->memory = memory;
+    return sorter;
+}
+
+static void sorter_destroy(Sorter *sorter)
+{
+    if (sorter != NULL)
+        array_free(sorter->memory);
 }
 
 void bvh_nearest_many(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count)
 {
     assert(bvh != NULL && (count == 0 || (ray != NULL && hit != NULL)));
     Sorter *sorter = sorter_create(bvh, count);
-    for (size_t begin = 0; begin < count; begin += SORT_MOST) {
+    if (sorter == NULL)
+        bvh->kernel->nearest_many(bvh, ray, NULL, count, hit);
+    for (size_t begin = 0; sorter != NULL && begin < count; begin += SORT_MOST) {
         const size_t n = count - begin < SORT_MOST ? count - begin : SORT_MOST;
-        if (sorter != NULL)
-            rays_sort(sorter, bvh, ray + begin, n);
-        bvh->kernel->nearest_many(bvh, ray + begin, sorter != NULL ? sorter->order : NULL, n,
-                                  hit + begin);
+        rays_sort(sorter, bvh, ray + begin, n);
+        bvh->kernel->nearest_many(bvh, sorter->ray, sorter->order, n, hit + begin);
     }
-    array_free(sorter);
+    sorter_destroy(sorter);
 }
 
 void bvh_blocked_many(const Bvh *bvh, const Ray *ray, bool *blocked, size_t count)
 {
     assert(bvh != NULL && (count == 0 || (ray != NULL && blocked != NULL)));
     Sorter *sorter = sorter_create(bvh, count);
-    for (size_t begin = 0; begin < count; begin += SORT_MOST) {
+    if (sorter == NULL)
+        bvh->kernel->blocked_many(bvh, ray, NULL, count, blocked);
+    for (size_t begin = 0; sorter != NULL && begin < count; begin += SORT_MOST) {
         const size_t n = count - begin < SORT_MOST ? count - begin : SORT_MOST;
-        if (sorter != NULL)
-            rays_sort(sorter, bvh, ray + begin, n);
-        bvh->kernel->blocked_many(bvh, ray + begin, sorter != NULL ? sorter->order : NULL, n,
-                                  blocked + begin);
+        rays_sort(sorter, bvh, ray + begin, n);
+        bvh->kernel->blocked_many(bvh, sorter->ray, sorter->order, n, blocked + begin);
     }
-    array_free(sorter);
+    sorter_destroy(sorter);
 }
 
 void bvh_nearest_beam(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count)

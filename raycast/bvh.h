@@ -63,7 +63,7 @@ bool bvh_blocked(const Bvh *bvh, const Ray *ray);
 /* The same for many rays at once. They are sorted by direction and origin in blocks of up to
  * BVH_BLOCK, so that those that go the same way are traced together: hand over the rays of a whole
  * tile of neighbouring patches, in their order, rather than patch by patch. Answers are in the
- * caller's order and do not depend on the grouping. A call borrows about 1 MB. */
+ * caller's order and do not depend on the grouping. A call borrows about 3 MB. */
 #define BVH_BLOCK 65536u
 void bvh_nearest_many(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count);
 void bvh_blocked_many(const Bvh *bvh, const Ray *ray, bool *blocked, size_t count);

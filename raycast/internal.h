@@ -66,7 +66,7 @@ typedef struct {
     const char *name;
     bool (*nearest)(const Bvh *bvh, const Ray *ray, Hit *hit);
     bool (*blocked)(const Bvh *bvh, const Ray *ray);
-    /* Rays order[0..count-1], or 0..count-1 when `order` is NULL; answers at the same numbers. */
+    /* The answer of ray[i] goes to place order[i], or i when `order` is NULL. */
     void (*nearest_many)(const Bvh *bvh, const Ray *ray, const uint32_t *order, size_t count,
                          Hit *hit);
     void (*blocked_many)(const Bvh *bvh, const Ray *ray, const uint32_t *order, size_t count,

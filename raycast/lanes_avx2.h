@@ -152,6 +152,22 @@ LANES_INLINE Words words_without(Words a, uint32_t bits)
 LANES_INLINE Words words_of(Floats a) { return _mm256_cvttps_epi32(a); } /* towards 0 */
 LANES_INLINE Words words_min(Words a, Words b) { return _mm256_min_epi32(a, b); }
 LANES_INLINE Words words_max(Words a, Words b) { return _mm256_max_epi32(a, b); }
+LANES_INLINE Words words_or(Words a, Words b) { return _mm256_or_si256(a, b); }
+LANES_INLINE Words words_left(Words a, unsigned bits)
+{
+    return _mm256_sll_epi32(a, _mm_cvtsi32_si128((int)bits));
+}
+/* 1 where the sign is set, else 0. */
+LANES_INLINE Words words_sign(Floats a) { return _mm256_srli_epi32(_mm256_castps_si256(a), 31); }
+/* table[a] of 32 entries; table[0] is 0. */
+LANES_INLINE Words words_lookup(const uint16_t table[32], Words a)
+{
+    _Alignas(32) uint32_t at[LANES];
+    words_store(at, a);
+    for (unsigned i = 0; i < LANES; i++)
+        at[i] = table[at[i]];
+    return words_load(at);
+}
 LANES_INLINE Floats floats_bits(Words a) { return _mm256_castsi256_ps(a); }
 
 #endif

@@ -80,35 +80,29 @@ LANES_INLINE unsigned doubles_less_equal(Doubles a, Doubles b)
     return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ);
 }
 
-/* Eight rows of eight floats become eight columns. */
-LANES_INLINE void eight_turned(const float *const row[8], __m256 column[8])
-{
-    __m256 r[8], s[8];
-    for (int i = 0; i < 8; i++)
-        r[i] = _mm256_loadu_ps(row[i]);
-    for (int i = 0; i < 8; i += 2) {
-        s[i] = _mm256_unpacklo_ps(r[i], r[i + 1]);
-        s[i + 1] = _mm256_unpackhi_ps(r[i], r[i + 1]);
-    }
-    for (int i = 0; i < 8; i += 4)
-        for (int j = 0; j < 2; j++) {
-            r[i + 2 * j] = _mm256_shuffle_ps(s[i + j], s[i + j + 2], 0x44);
-            r[i + 2 * j + 1] = _mm256_shuffle_ps(s[i + j], s[i + j + 2], 0xee);
-        }
-    for (int i = 0; i < 4; i++) {
-        column[i] = _mm256_permute2f128_ps(r[i], r[i + 4], 0x20);
-        column[i + 4] = _mm256_permute2f128_ps(r[i], r[i + 4], 0x31);
-    }
-}
-
 /* The eight floats at row[0], row[1] ... of all lanes: field k of every lane. */
 LANES_INLINE void floats_fields(const float *const row[LANES], Floats field[8])
 {
-    __m256 low[8], high[8];
-    eight_turned(row, low);
-    eight_turned(row + 8, high);
-    for (int k = 0; k < 8; k++)
-        field[k] = _mm512_insertf32x8(_mm512_castps256_ps512(low[k]), high[k], 1);
+    Floats r[8], s[8];
+    /* Two rows a register, so that the last step puts all lanes in order. */
+    for (int i = 0; i < 8; i++) {
+        const int at = i < 4 ? i : i + 4;
+        r[i] = _mm512_insertf32x8(_mm512_castps256_ps512(_mm256_loadu_ps(row[at])),
+                                  _mm256_loadu_ps(row[at + 4]), 1);
+    }
+    for (int i = 0; i < 8; i += 2) {
+        s[i] = _mm512_unpacklo_ps(r[i], r[i + 1]);
+        s[i + 1] = _mm512_unpackhi_ps(r[i], r[i + 1]);
+    }
+    for (int i = 0; i < 8; i += 4)
+        for (int j = 0; j < 2; j++) {
+            r[i + 2 * j] = _mm512_shuffle_ps(s[i + j], s[i + j + 2], 0x44);
+            r[i + 2 * j + 1] = _mm512_shuffle_ps(s[i + j], s[i + j + 2], 0xee);
+        }
+    for (int i = 0; i < 4; i++) {
+        field[i] = _mm512_shuffle_f32x4(r[i], r[i + 4], 0x88);
+        field[i + 4] = _mm512_shuffle_f32x4(r[i], r[i + 4], 0xdd);
+    }
 }
 
 /* Four words a lane, a b c d, written to where out[] points, for the lanes of `mask`. */
@@ -135,6 +129,18 @@ LANES_INLINE Words words_without(Words a, uint32_t bits)
 LANES_INLINE Words words_of(Floats a) { return _mm512_cvttps_epi32(a); } /* towards 0 */
 LANES_INLINE Words words_min(Words a, Words b) { return _mm512_min_epi32(a, b); }
 LANES_INLINE Words words_max(Words a, Words b) { return _mm512_max_epi32(a, b); }
+LANES_INLINE Words words_or(Words a, Words b) { return _mm512_or_si512(a, b); }
+LANES_INLINE Words words_left(Words a, unsigned bits)
+{
+    return _mm512_sll_epi32(a, _mm_cvtsi32_si128((int)bits));
+}
+/* 1 where the sign is set, else 0. */
+LANES_INLINE Words words_sign(Floats a) { return _mm512_srli_epi32(_mm512_castps_si512(a), 31); }
+/* table[a] of 32 entries; table[0] is 0. */
+LANES_INLINE Words words_lookup(const uint16_t table[32], Words a)
+{
+    return _mm512_permutexvar_epi16(a, _mm512_loadu_si512(table));
+}
 LANES_INLINE Floats floats_bits(Words a) { return _mm512_castsi512_ps(a); }
 
 #endif

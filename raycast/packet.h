@@ -209,7 +209,7 @@ static __attribute__((noinline)) void packet_walk_alone(Packet *p, const Bvh *bv
             w->child[to] = child;
             w->near[to] = near;
         }
-        if (walker_pop(w, bvh))
+        if (walker_pop(w, bvh, any))
             lane[walking++] = i;
         else
             w->top = 0;

@@ -3,6 +3,8 @@
 #ifndef RAYCAST_PACKET_WALK_H
 #define RAYCAST_PACKET_WALK_H
 
+#include <string.h>
+
 #include "raycast/packet_leaf.h"
 
 /* --- nodes ----------------------------------------------------------------------------------- */
@@ -127,12 +129,10 @@ LANES_INLINE unsigned packet_kind(Packet *p, const Bundle *b, unsigned lanes)
 }
 
 /* Returns the lanes that probe_init can take and that have a range at all. */
-LANES_INLINE unsigned bundle_fill(Bundle *b, const Ray *ray, const uint32_t *order, size_t count)
+LANES_INLINE unsigned bundle_fill(Bundle *b, const Ray *ray, size_t count)
 {
-    for (unsigned i = 0; i < LANES; i++) {
-        const size_t at = i < count ? i : 0;
-        b->ray[i] = &ray[order != NULL ? order[at] : at];
-    }
+    for (unsigned i = 0; i < LANES; i++)
+        b->ray[i] = &ray[i < count ? i : 0];
     floats_fields((const float *const *)(const void *)b->ray, b->field);
     const Floats length = floats_abs(b->field[4]) + floats_abs(b->field[5])
                           + floats_abs(b->field[6]);
@@ -177,7 +177,7 @@ LANES_INLINE unsigned packet_some(const Bvh *bvh, const Ray *ray, const uint32_t
     Packet p;
     unsigned alone = 0;
     const unsigned all = count < LANES ? (1u << count) - 1 : (unsigned)((UINT64_C(1) << LANES) - 1);
-    const unsigned good = bundle_fill(&b, ray, order, count);
+    const unsigned good = bundle_fill(&b, ray, count);
     for (unsigned left = good; left != 0;) {
         const unsigned lanes = packet_kind(&p, &b, left);
         left &= ~lanes;
@@ -196,14 +196,14 @@ LANES_INLINE unsigned packet_some(const Bvh *bvh, const Ray *ray, const uint32_t
         const unsigned i = (unsigned)__builtin_ctz(odd);
         const uint32_t at = order != NULL ? order[i] : i;
         Hit one;
-        const bool found = nearest_one(bvh, &ray[at], hit != NULL ? &hit[at] : &one);
+        const bool found = nearest_one(bvh, &ray[i], hit != NULL ? &hit[at] : &one);
         if (hit == NULL)
             blocked[at] = found;
     }
     return alone;
 }
 
-/* Rays order[begin..end-1] in packets; subtrees walked alone. */
+/* Rays begin..end-1 in packets; subtrees walked alone. */
 LANES_INLINE unsigned packet_run(const Bvh *bvh, const Ray *ray, const uint32_t *order,
                                  size_t begin, size_t end, Hit *hit, bool *blocked)
 {
@@ -214,13 +214,10 @@ LANES_INLINE unsigned packet_run(const Bvh *bvh, const Ray *ray, const uint32_t 
                                  hit != NULL ? NULL : blocked + i);
             continue;
         }
-        for (size_t j = i + 2 * LANES; j < i + 3 * LANES && j < end; j++) {
-            const uint32_t soon = order[j];
-            __builtin_prefetch(&ray[soon]);
-            __builtin_prefetch(hit != NULL ? (const void *)&hit[soon]
-                                           : (const void *)&blocked[soon], 1);
-        }
-        alone += packet_some(bvh, ray, order + i, end - i, hit, blocked);
+        for (size_t j = i + 2 * LANES; j < i + 3 * LANES && j < end; j++)
+            __builtin_prefetch(hit != NULL ? (const void *)&hit[order[j]]
+                                           : (const void *)&blocked[order[j]], 1);
+        alone += packet_some(bvh, ray + i, order + i, end - i, hit, blocked);
     }
     return alone;
 }
@@ -238,7 +235,7 @@ LANES_INLINE void packets_trace(const Bvh *bvh, const Ray *ray, const uint32_t *
         if (alone <= STRETCH_ALONE)
             packet_run(bvh, ray, order, trial, end, hit, blocked);
         else if (order != NULL)
-            stream_trace(bvh, ray, order + trial, end - trial, hit, blocked);
+            stream_trace(bvh, ray + trial, order + trial, end - trial, hit, blocked);
         else
             stream_trace(bvh, ray + trial, NULL, end - trial, hit != NULL ? hit + trial : NULL,
                          hit != NULL ? NULL : blocked + trial);
@@ -272,35 +269,33 @@ LANES_INLINE void keys_some(const Cells *cells, const float *const row[LANES], u
     const Floats second = floats_pick(on_x, z, floats_pick(on_y, x, y));
     const Floats scale = floats_all(cells->scale[0]) / major;
     const Words most = words_all((1u << CELL_LEVELS) - 1), least = words_all(0);
-    _Alignas(64) uint32_t place[CELL_DIMENSIONS][LANES];
-    /* NaN too ends somewhere. */
-    words_store(place[0], words_max(words_min(words_of(first * scale), most), least));
-    words_store(place[1], words_max(words_min(words_of(second * scale), most), least));
-    for (int k = 0; k < 3; k++) {
-        const Floats at = (f[k] - floats_all(cells->lo[k])) * floats_all(cells->scale[2 + k]);
-        words_store(place[2 + k], words_max(words_min(words_of(at), most), least));
+    const Words axis = words_pick(on_x, least, words_pick(on_y, words_all(8), words_all(16)));
+    Words kind = words_or(axis, words_sign(f[4]));
+    kind = words_or(kind, words_left(words_sign(f[5]), 1));
+    kind = words_or(kind, words_left(words_sign(f[6]), 2));
+    Words all = words_left(kind, cells->bits);
+    for (int k = 0; k < CELL_DIMENSIONS; k++) {
+        const Floats at = k == 0   ? first * scale
+                          : k == 1 ? second * scale
+                                   : (f[k - 2] - floats_all(cells->lo[k - 2]))
+                                         * floats_all(cells->scale[k]);
+        /* NaN too ends somewhere. */
+        const Words place = words_max(words_min(words_of(at), most), least);
+        all = words_or(all, words_lookup(cells->spread[k], place));
     }
-    const unsigned sx = floats_signs(f[4]), sy = floats_signs(f[5]), sz = floats_signs(f[6]);
-    for (unsigned i = 0; i < LANES; i++) {
-        const unsigned axis = on_x >> i & 1 ? 0 : on_y >> i & 1 ? 1 : 2;
-        const unsigned kind = axis * 8 + (sx >> i & 1) + 2 * (sy >> i & 1) + 4 * (sz >> i & 1);
-        key[i] = kind << cells->bits | cells->spread[0][place[0][i]]
-                 | cells->spread[1][place[1][i]] | cells->spread[2][place[2][i]]
-                 | cells->spread[3][place[3][i]] | cells->spread[4][place[4][i]];
-    }
+    words_store(key, all);
 }
 
 static void packets_keys(const Cells *cells, const Ray *ray, size_t count, uint32_t *key)
 {
     for (size_t i = 0; i < count; i += LANES) {
         const float *row[LANES];
-        uint32_t some[LANES];
+        _Alignas(64) uint32_t some[LANES];
         const size_t n = count - i < LANES ? count - i : LANES;
         for (size_t j = 0; j < LANES; j++)
             row[j] = (const float *)&ray[i + (j < n ? j : 0)];
-        keys_some(cells, row, n == LANES ? key + i : some);
-        for (size_t j = 0; n < LANES && j < n; j++)
-            key[i + j] = some[j];
+        keys_some(cells, row, some);
+        memcpy(key + i, some, n * sizeof *some);
     }
 }
 

@@ -107,15 +107,11 @@ static inline void probe_shear(const Probe *p, const float corner[3], float *x, 
     *y = (corner[1] - p->origin[1]) - p->shear[1] * *z;
 }
 
-/* corner[i] holds the coordinates along axis[0], axis[1], axis[2]. */
-static inline bool probe_triangle(const Probe *p, const float corner[3][3], uint32_t primitive,
-                                  uint32_t place, Best *best)
+/* A triangle whose corners are sheared: x, y, z of each. */
+static inline bool probe_sheared(const Probe *p, float ax, float ay, float az, float bx, float by,
+                                 float bz, float cx, float cy, float cz, uint32_t primitive,
+                                 uint32_t place, Best *best)
 {
-    float ax, ay, az, bx, by, bz, cx, cy, cz;
-    probe_shear(p, corner[0], &ax, &ay, &az);
-    probe_shear(p, corner[1], &bx, &by, &bz);
-    probe_shear(p, corner[2], &cx, &cy, &cz);
-
     const double a = (double)cx * by - (double)cy * bx;
     const double b = (double)ax * cy - (double)ay * cx;
     const double c = (double)bx * ay - (double)by * ax;
@@ -131,6 +127,17 @@ static inline bool probe_triangle(const Probe *p, const float corner[3][3], uint
     const Candidate hit = { .t = (float)t, .u = (float)(b * scale), .v = (float)(c * scale),
                             .key = primitive | side, .place = place };
     return hit.t > p->t_min && hit.t <= best->limit && best_offer(best, p->reach, &hit);
+}
+
+/* corner[i] holds the coordinates along axis[0], axis[1], axis[2]. */
+static inline bool probe_triangle(const Probe *p, const float corner[3][3], uint32_t primitive,
+                                  uint32_t place, Best *best)
+{
+    float ax, ay, az, bx, by, bz, cx, cy, cz;
+    probe_shear(p, corner[0], &ax, &ay, &az);
+    probe_shear(p, corner[1], &bx, &by, &bz);
+    probe_shear(p, corner[2], &cx, &cy, &cz);
+    return probe_sheared(p, ax, ay, az, bx, by, bz, cx, cy, cz, primitive, place, best);
 }
 
 /* The triangle in one lane of a group, whose first lane is at `place`. */

@@ -10,13 +10,16 @@
  * half of them, and cells of less than a packet's rays would mix neighbours all the same. */
 #define CELL_RAYS 4u
 
+/* Around some of the origins: places beyond it go to the last cells. */
+#define SAMPLE_STEP 16
+
 static void origin_box(const Ray *ray, size_t count, float lo[3], float hi[3])
 {
     for (int k = 0; k < 3; k++) {
         lo[k] = INFINITY;
         hi[k] = -INFINITY;
     }
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; i += SAMPLE_STEP) {
         const float o[3] = { ray[i].ox, ray[i].oy, ray[i].oz };
         for (int k = 0; k < 3; k++) {
             lo[k] = o[k] < lo[k] ? o[k] : lo[k];
@@ -55,7 +58,8 @@ static void cells_init(Cells *cells, const Bvh *bvh, const Ray *ray, size_t coun
             unsigned from = CELL_LEVELS;
             for (unsigned b = 0; b < cells->bits; b++)
                 if (dimension[b] == k)
-                    cells->spread[k][place] |= (place >> --from & 1) << (cells->bits - 1 - b);
+                    cells->spread[k][place] |= (uint16_t)((place >> --from & 1)
+                                                          << (cells->bits - 1 - b));
         }
 }
 
@@ -71,6 +75,9 @@ void rays_sort(Sorter *sorter, const Bvh *bvh, const Ray *ray, size_t count)
         first[sorter->key[i] + 1]++;
     for (uint32_t i = 0; i < keys; i++)
         first[i + 1] += first[i];
-    for (size_t i = 0; i < count; i++)
-        sorter->order[first[sorter->key[i]]++] = (uint32_t)i;
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t to = first[sorter->key[i]]++;
+        sorter->order[to] = (uint32_t)i;
+        sorter->ray[to] = ray[i];
+    }
 }

@@ -11,26 +11,28 @@
 #include "raycast/internal.h"
 
 #define CELL_DIMENSIONS 5 /* two slopes, three coordinates */
-#define CELL_LEVELS 8u    /* bits of a dimension, at most */
+#define CELL_LEVELS 5u    /* bits of a dimension, at most: a table fits a register */
 #define CELL_BITS_MAX 12u
 #define RAY_KINDS 24u
 
 struct Cells {
     float    lo[3];
     float    scale[CELL_DIMENSIONS]; /* to 0 .. 2^CELL_LEVELS - 1 */
-    uint32_t spread[CELL_DIMENSIONS][1u << CELL_LEVELS]; /* place along a dimension -> its bits */
+    uint16_t spread[CELL_DIMENSIONS][1u << CELL_LEVELS]; /* place along a dimension -> its bits */
     unsigned bits;
 };
 
-/* Memory for sorting up to SORT_MOST rays. */
+/* Memory for sorting up to SORT_MOST rays: `ray` are copies, ray[i] was at order[i]. */
 #define SORT_MOST BVH_BLOCK
 typedef struct {
+    _Alignas(64) Ray ray[SORT_MOST];
     Cells    cells;
+    void    *memory; /* the block it lies in */
     uint32_t key[SORT_MOST], order[SORT_MOST];
     uint32_t first[(RAY_KINDS << CELL_BITS_MAX) + 1];
 } Sorter;
 
-/* sorter->order[0..count-1] becomes a permutation of 0..count-1; count <= SORT_MOST. */
+/* Fills sorter->ray and sorter->order[0..count-1]; count <= SORT_MOST. */
 void rays_sort(Sorter *sorter, const Bvh *bvh, const Ray *ray, size_t count);
 
 #endif

@@ -20,23 +20,24 @@ typedef struct {
     uint32_t   child[BVH_STACK + STREAM_RAYS];
 } Walker;
 
+/* Of a leaf the first two groups: few have more. */
 ALWAYS_INLINE void child_prefetch(const Bvh *bvh, uint32_t child)
 {
     const char *at = child_is_leaf(child) ? (const char *)&bvh->group[child_group(child)]
                                           : (const char *)&bvh->node[child];
-    for (size_t line = 0; line < sizeof(Node); line += 64)
+    for (size_t line = 0; line < 2 * sizeof(TriangleGroup); line += 64)
         __builtin_prefetch(at + line);
 }
 
 /* The nearest of what is left to visit; false when there is nothing. */
-ALWAYS_INLINE bool walker_pop(Walker *w, const Bvh *bvh)
+ALWAYS_INLINE bool walker_pop(Walker *w, const Bvh *bvh, bool any)
 {
     /* Not >=: an equally near hit that comes before may be in there. */
     do {
         if (w->top == 0)
             return false;
         w->top--;
-    } while (w->near[w->top] > w->best.limit);
+    } while (!any && w->near[w->top] > w->best.limit);
     w->c = w->child[w->top];
     child_prefetch(bvh, w->c);
     return true;
@@ -47,7 +48,7 @@ ALWAYS_INLINE bool walker_step(Walker *w, const Bvh *bvh, bool any)
 {
     uint32_t c = w->c;
     if (!child_is_leaf(c)) {
-        w->top += node_push(&bvh->node[c], &w->probe, w->best.limit, w->near + w->top,
+        w->top += node_push(&bvh->node[c], &w->probe, w->best.limit, any, w->near + w->top,
                             w->child + w->top, &c);
         if (c != CHILD_NONE) {
             child_prefetch(bvh, c);
@@ -57,7 +58,7 @@ ALWAYS_INLINE bool walker_step(Walker *w, const Bvh *bvh, bool any)
     } else if (leaf_trace(bvh, w->ray, &w->probe, c, any, &w->best) && any) {
         return false;
     }
-    return walker_pop(w, bvh);
+    return walker_pop(w, bvh, any);
 }
 
 /* Starts the next ray that can be traced; false when there is none left. */
@@ -66,20 +67,20 @@ ALWAYS_INLINE bool walker_start(Walker *w, const Bvh *bvh, const Ray *ray, const
 {
     if (order != NULL && *next + STREAM_RAYS < count) {
         const size_t soon = order[*next + STREAM_RAYS];
-        __builtin_prefetch(&ray[soon]);
         __builtin_prefetch(hit != NULL ? (const void *)&hit[soon]
                                        : (const void *)&blocked[soon], 1);
     }
     for (; *next < count; (*next)++) {
+        const Ray *r = &ray[*next];
         const size_t at = order != NULL ? order[*next] : *next;
-        if (__builtin_expect(!probe_takes(&ray[at]), 0)) {
+        if (__builtin_expect(!probe_takes(r), 0)) {
             Hit one;
-            const bool found = nearest_odd(bvh, &ray[at], hit != NULL ? &hit[at] : &one);
+            const bool found = nearest_odd(bvh, r, hit != NULL ? &hit[at] : &one);
             if (hit == NULL)
                 blocked[at] = found;
             continue;
         }
-        w->ray = &ray[at];
+        w->ray = r;
         w->at = (uint32_t)at;
         w->c = w->top = 0;
         probe_init(&w->probe, w->ray, bvh->lo, bvh->hi);

@@ -4,10 +4,12 @@
  * The file that includes this defines before:
  *   node_push      tests a node's boxes; *next is the first child to visit or CHILD_NONE; of the
  *                  others that are hit, writes the nearer end and the reference to near[] and
- *                  child[], far ones first, and returns how many; may write 8 of each
- *   group_test     offers the triangles of a group, the first at `place`, to *best, as probe_lane
- *                  would each of them; whether one was taken
- * and KERNEL, the name of the table to make.
+ *                  child[], far ones first, and returns how many; may write 8 of each; with `any`,
+ *                  where nothing that is met cuts off the rest, near[] may be left out
+ *   groups_test    offers the triangles of `count` groups, the first at `place`, to *best, as
+ *                  probe_lane would each of them; whether one was taken; with `any` it may stop
+ *                  at the first, and only best_found counts afterwards
+ * and calls KERNEL_TABLE after.
  */
 #include "raycast/probe.h"
 
@@ -21,14 +23,9 @@ ALWAYS_INLINE bool leaf_trace(const Bvh *bvh, const Ray *ray, const Probe *p, ui
         const uint32_t i = child_shape_index(leaf);
         return probe_shape(ray, p, &bvh->shape[i], bvh->triangle_count + i, best);
     }
-    const uint32_t begin = child_group(leaf), end = begin + child_group_count(leaf);
-    bool found = false;
-    for (uint32_t g = begin; g < end; g++) {
-        found |= group_test(&bvh->group[g], p, g * GROUP_WIDTH, best);
-        if (any && found)
-            return true;
-    }
-    return found;
+    const uint32_t first = child_group(leaf);
+    return groups_test(&bvh->group[first], child_group_count(leaf), p, first * GROUP_WIDTH, any,
+                       best);
 }
 
 /* The subtree below `c`: improves *best, or with `any` stops at the first hit that turns up. */
@@ -39,7 +36,8 @@ ALWAYS_INLINE void tree_walk(const Bvh *bvh, const Ray *ray, const Probe *p, uin
     uint32_t child[BVH_STACK], top = 0;
     for (;;) {
         while (!child_is_leaf(c))
-            top += node_push(&bvh->node[c], p, best->limit, near + top, child + top, &c);
+            top += node_push(&bvh->node[c], p, best->limit, any, near + top, child + top,
+                             &c);
         if (c != CHILD_NONE && leaf_trace(bvh, ray, p, c, any, best) && any)
             return;
         /* Not >=: an equally near hit that comes before may be in there. */
@@ -47,7 +45,7 @@ ALWAYS_INLINE void tree_walk(const Bvh *bvh, const Ray *ray, const Probe *p, uin
             if (top == 0)
                 return;
             top--;
-        } while (near[top] > best->limit);
+        } while (!any && near[top] > best->limit);
         c = child[top];
     }
 }
@@ -122,19 +120,17 @@ static bool trace_blocked(const Bvh *bvh, const Ray *ray)
 static inline void singles_nearest(const Bvh *bvh, const Ray *ray, const uint32_t *order,
                                    size_t count, Hit *hit)
 {
-    for (size_t i = 0; i < count; i++) {
-        const size_t at = order != NULL ? order[i] : i;
-        nearest_one(bvh, &ray[at], &hit[at]);
-    }
+    for (size_t i = 0; i < count; i++)
+        nearest_one(bvh, &ray[i], &hit[order != NULL ? order[i] : i]);
+
 }
 
 static inline void singles_blocked(const Bvh *bvh, const Ray *ray, const uint32_t *order,
                                    size_t count, bool *blocked)
 {
-    for (size_t i = 0; i < count; i++) {
-        const size_t at = order != NULL ? order[i] : i;
-        blocked[at] = blocked_one(bvh, &ray[at]);
-    }
+    for (size_t i = 0; i < count; i++)
+        blocked[order != NULL ? order[i] : i] = blocked_one(bvh, &ray[i]);
+
 }
 
 #define KERNEL_TABLE(isa, nearest_rays, blocked_rays, ray_keys, nearest_alone, blocked_alone)   \

@@ -14,7 +14,7 @@
 #pragma GCC target("avx512f,avx512vl,avx512dq,avx512bw,avx2,fma,bmi2,popcnt")
 #endif
 
-#include "raycast/single_avx2.h"
+#include "raycast/single_avx512.h"
 
 #include "raycast/trace.h"
 

@@ -6,10 +6,11 @@
 static inline float smaller(float a, float b) { return a < b ? a : b; }
 static inline float larger(float a, float b) { return a > b ? a : b; }
 
-static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit, float *near,
-                                 uint32_t *child, uint32_t *next)
+static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit, bool any,
+                                 float *near, uint32_t *child, uint32_t *next)
 {
     uint32_t count = 0;
+    (void)any;
     for (unsigned i = 0; i < NODE_WIDTH; i++) {
         const unsigned slot = i ^ p->octant;
         float from = p->t_min, to = t_limit;
@@ -34,6 +35,15 @@ static inline bool group_test(const TriangleGroup *group, const Probe *p, uint32
     bool found = false;
     for (int i = 0; i < (int)GROUP_WIDTH && group->primitive[i] != RAY_MISS; i++)
         found |= probe_lane(p, group, i, place, best);
+    return found;
+}
+
+static inline bool groups_test(const TriangleGroup *group, uint32_t count, const Probe *p,
+                               uint32_t place, bool any, Best *best)
+{
+    bool found = false;
+    for (uint32_t g = 0; g < count && !(any && found); g++)
+        found |= group_test(&group[g], p, place + g * GROUP_WIDTH, best);
     return found;
 }
 

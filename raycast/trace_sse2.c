@@ -9,8 +9,8 @@
 
 #include "raycast/group_sse.h"
 
-static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit, float *near,
-                                 uint32_t *child, uint32_t *next)
+static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit, bool any,
+                                 float *near, uint32_t *child, uint32_t *next)
 {
     float from[NODE_WIDTH];
     unsigned hits = 0;
@@ -28,6 +28,7 @@ static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit
         hits |= (unsigned)_mm_movemask_ps(_mm_cmple_ps(t0, t1)) << half;
     }
     uint32_t count = 0;
+    (void)any;
     for (unsigned i = 0; i < NODE_WIDTH; i++) {
         const unsigned slot = i ^ p->octant;
         near[count] = from[slot];
@@ -45,6 +46,15 @@ static inline bool group_test(const TriangleGroup *group, const Probe *p, uint32
     bool found = false;
     for (unsigned lanes = group_filter(group, &s); lanes != 0; lanes &= lanes - 1)
         found |= probe_lane(p, group, __builtin_ctz(lanes), place, best);
+    return found;
+}
+
+static inline bool groups_test(const TriangleGroup *group, uint32_t count, const Probe *p,
+                               uint32_t place, bool any, Best *best)
+{
+    bool found = false;
+    for (uint32_t g = 0; g < count && !(any && found); g++)
+        found |= group_test(&group[g], p, place + g * GROUP_WIDTH, best);
     return found;
 }
 

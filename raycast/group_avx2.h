@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* raycast/group_avx2.h -- one ray against two groups of triangles at once, with AVX2.
+ *
+ * The same float operations as probe_shear. What they settle is not asked again in double: edge
+ * functions of two strict signs, or of one (probe.h); and, as a hit is a mean of the corners, a
+ * triangle whose corners lie all beyond or all within the ray's range. No fused operations here:
+ * triangles must come out as in the other kernels.
+ */
+#ifndef RAYCAST_GROUP_AVX2_H
+#define RAYCAST_GROUP_AVX2_H
+
+#include <float.h>
+#include <immintrin.h>
+
+#include "raycast/probe.h"
+
+/* z / d_z in float is off by three roundings, in double and then rounded by one: within
+ * (1 +- SURE_ROUNDING), but for what is smaller than FLT_MIN. */
+#define SURE_ROUNDING (8 * PROBE_ROUNDING)
+
+/* Corners as the ray sees them, [corner], and the range of their z / d_z. */
+typedef struct {
+    __m256 x[3], y[3], z[3], from, to;
+} Sheared;
+
+static inline __m256 groups_load(const TriangleGroup *a, const TriangleGroup *b, int corner,
+                                 int axis)
+{
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(a->vertex[corner][axis])),
+                                _mm_loadu_ps(b->vertex[corner][axis]), 1);
+}
+
+static inline void groups_shear(Sheared *s, const TriangleGroup *a, const TriangleGroup *b,
+                                const Probe *p)
+{
+    const __m256 inverse = _mm256_set1_ps(p->inverse[p->axis[2]]);
+    __m256 t[3];
+    for (int i = 0; i < 3; i++) {
+        const __m256 x = _mm256_sub_ps(groups_load(a, b, i, p->axis[0]),
+                                       _mm256_set1_ps(p->origin[0]));
+        const __m256 y = _mm256_sub_ps(groups_load(a, b, i, p->axis[1]),
+                                       _mm256_set1_ps(p->origin[1]));
+        s->z[i] = _mm256_sub_ps(groups_load(a, b, i, p->axis[2]), _mm256_set1_ps(p->origin[2]));
+        s->x[i] = _mm256_sub_ps(x, _mm256_mul_ps(_mm256_set1_ps(p->shear[0]), s->z[i]));
+        s->y[i] = _mm256_sub_ps(y, _mm256_mul_ps(_mm256_set1_ps(p->shear[1]), s->z[i]));
+        t[i] = _mm256_mul_ps(s->z[i], inverse);
+    }
+    s->from = _mm256_min_ps(_mm256_min_ps(t[0], t[1]), t[2]);
+    s->to = _mm256_max_ps(_mm256_max_ps(t[0], t[1]), t[2]);
+}
+
+static inline __m256 edge_avx2(const Sheared *s, int i, int j)
+{
+    return _mm256_sub_ps(_mm256_mul_ps(s->x[i], s->y[j]), _mm256_mul_ps(s->y[i], s->x[j]));
+}
+
+
+/* Bits of the lanes that hold a triangle; of b none when it is a once more. */
+static inline unsigned groups_used(const TriangleGroup *a, const TriangleGroup *b)
+{
+    const __m128i low = _mm_loadu_si128((const __m128i *)(const void *)a->primitive);
+    const __m128i high = _mm_loadu_si128((const __m128i *)(const void *)b->primitive);
+    const unsigned unused = (unsigned)_mm_movemask_ps(_mm_castsi128_ps(low))
+                            | (unsigned)_mm_movemask_ps(_mm_castsi128_ps(high)) << 4;
+    return ~unused & (a == b ? 0x0fu : 0xffu);
+}
+
+/* Triangles of which float is not sure, one by one. */
+static inline bool groups_decide(const TriangleGroup *group, const Sheared *s, const Probe *p,
+                                 unsigned lanes, uint32_t place, Best *best)
+{
+    float x[3][8], y[3][8], z[3][8];
+    for (int i = 0; i < 3; i++) {
+        _mm256_storeu_ps(x[i], s->x[i]);
+        _mm256_storeu_ps(y[i], s->y[i]);
+        _mm256_storeu_ps(z[i], s->z[i]);
+    }
+    bool found = false;
+    for (; lanes != 0; lanes &= lanes - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(lanes);
+        found |= probe_sheared(p, x[0][i], y[0][i], z[0][i], x[1][i], y[1][i], z[1][i], x[2][i],
+                               y[2][i], z[2][i], group[i / GROUP_WIDTH].primitive[i % GROUP_WIDTH],
+                               place + i, best);
+    }
+    return found;
+}
+
+static inline bool groups_test(const TriangleGroup *group, uint32_t count, const Probe *p,
+                               uint32_t place, bool any, Best *best)
+{
+    const __m256 zero = _mm256_setzero_ps();
+    bool found = false;
+    for (uint32_t g = 0; g < count; g += 2) {
+        const TriangleGroup *a = &group[g], *b = a + (g + 1 < count);
+        Sheared s;
+        groups_shear(&s, a, b, p);
+        const __m256 e0 = edge_avx2(&s, 2, 1), e1 = edge_avx2(&s, 0, 2), e2 = edge_avx2(&s, 1, 0);
+        const __m256 least = _mm256_min_ps(_mm256_min_ps(e0, e1), e2);
+        const __m256 most = _mm256_max_ps(_mm256_max_ps(e0, e1), e2);
+        const __m256 apart = _mm256_and_ps(_mm256_cmp_ps(least, zero, _CMP_LT_OQ),
+                                           _mm256_cmp_ps(most, zero, _CMP_GT_OQ));
+        const float end = best->limit * (1 + SURE_ROUNDING) + FLT_MIN;
+        const __m256 beyond = _mm256_cmp_ps(s.from, _mm256_set1_ps(end), _CMP_GT_OQ);
+        const unsigned out = (unsigned)_mm256_movemask_ps(_mm256_or_ps(apart, beyond));
+        const unsigned lanes = ~out & groups_used(a, b);
+        if (lanes == 0)
+            continue;
+        if (any) {
+            const float begin = (p->t_min + FLT_MIN) * (1 + SURE_ROUNDING);
+            const __m256 strict = _mm256_or_ps(_mm256_cmp_ps(least, zero, _CMP_GT_OQ),
+                                               _mm256_cmp_ps(most, zero, _CMP_LT_OQ));
+            const __m256 inside = _mm256_and_ps(
+                _mm256_cmp_ps(s.from, _mm256_set1_ps(begin), _CMP_GT_OQ),
+                _mm256_cmp_ps(s.to, _mm256_set1_ps(best->limit * (1 - SURE_ROUNDING)),
+                              _CMP_LT_OQ));
+            const unsigned sure = (unsigned)_mm256_movemask_ps(_mm256_and_ps(strict, inside));
+            if ((sure & lanes) != 0) {
+                best->first.place = place;
+                return true;
+            }
+        }
+        found |= groups_decide(a, &s, p, lanes, place + g * GROUP_WIDTH, best);
+        if (any && found)
+            return true;
+    }
+    return found;
+}
+
+#endif
