@@ -60,8 +60,6 @@ static bool allocate(const Pipeline *pipeline, Classes *classes, Error *err)
 static void add_links(const Pipeline *pipeline, const Sums *sums, Classes *classes)
 {
     const Links *links = pipeline->links;
-    const Patches *patches = pipeline->patches;
-    const Material *materials = pipeline->scene->polygons.materials;
     const size_t n = classes->count;
     for (uint32_t i = 0; i < links->count; i++) {
         const double area = links->area[i];
@@ -75,16 +73,39 @@ static void add_links(const Pipeline *pipeline, const Sums *sums, Classes *class
         }
         classes->escape[r] += area * links->escape[i];
         classes->area[r] += area;
-        classes->emissivity[r] +=
-            area * (1 - rgb_luminance(materials[patches->material[i]].reflectance));
     }
     for (size_t r = 0; r < n; r++) {
         for (size_t c = 0; c < n; c++)
             classes->factor[r * n + c] /= classes->area[r];
         classes->escape[r] /= classes->area[r];
-        classes->emissivity[r] /= classes->area[r];
         classes->open = classes->open || classes->escape[r] > 0;
     }
+}
+
+/* Means over the patches of each class. */
+static bool mean_emissivity(const Pipeline *pipeline, FactorsBy by, const Sums *sums,
+                            Classes *classes, Error *err)
+{
+    const Patches *patches = pipeline->patches;
+    const Material *materials = pipeline->scene->polygons.materials;
+    const uint32_t *of = by == BY_GROUP ? patches->group : patches->material;
+    double *area = array_create(classes->count, sizeof *area, "matrix", err);
+    if (area == NULL)
+        return false;
+    for (uint32_t i = 0; i < patches->count; i++) {
+        const uint32_t r = sums->row[of[i]];
+        const double part = pipeline->groups == NULL ? pipeline->links->area[i]
+                                                     : patches->area[i];
+        if (r == PATCH_NONE)
+            continue;
+        area[r] += part;
+        classes->emissivity[r] +=
+            part * (1 - rgb_luminance(materials[patches->material[i]].reflectance));
+    }
+    for (uint32_t r = 0; r < classes->count; r++)
+        classes->emissivity[r] /= area[r];
+    array_free(area);
+    return true;
 }
 
 /* Someone may look for the row. */
@@ -110,15 +131,17 @@ bool classes_sum(const Pipeline *pipeline, FactorsBy by, Classes *classes, Error
 {
     const Polygons *soup = &pipeline->scene->polygons;
     assert(by != BY_PATCH && pipeline->links != NULL);
-    assert(pipeline->links->count == pipeline->patches->count);
+    assert(pipeline->groups != NULL || pipeline->links->count == pipeline->patches->count);
     Sums sums = { .all = (uint32_t)(by == BY_GROUP ? soup->group_count : soup->material_count),
-                  .class_of = by == BY_GROUP ? pipeline->patches->group
-                                             : pipeline->patches->material };
+                  .class_of = pipeline->groups != NULL ? pipeline->group_class
+                              : by == BY_GROUP         ? pipeline->patches->group
+                                                       : pipeline->patches->material };
     *classes = (Classes){ 0 };
     sums.row = array_create(sums.all, sizeof *sums.row, "matrix", err);
     if (sums.row != NULL) {
         number_rows(pipeline, &sums, classes);
-        if (allocate(pipeline, classes, err) && warn_unused(pipeline, by, &sums, err)) {
+        if (allocate(pipeline, classes, err) && warn_unused(pipeline, by, &sums, err) &&
+            mean_emissivity(pipeline, by, &sums, classes, err)) {
             for (uint32_t i = 0; i < sums.all; i++)
                 if (sums.row[i] != PATCH_NONE)
                     classes->name[sums.row[i]] = class_name(pipeline, by, i);

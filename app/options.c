@@ -67,6 +67,8 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       "hemisphere rays per patch" },
     { OPTION_LAMP_RAYS, "--lamp-rays", "N", LINKING, KIND_COUNT, FIELD(lamp_rays), 1, 1 << 24,
       NULL, "rays per patch to surfaces that emit" },
+    { OPTION_ACCURACY, "--accuracy", "X", COMMAND_FACTORS, KIND_NUMBER, FIELD(accuracy), 1e-9, 1,
+      NULL, "standard error of factors between groups, as far as --rays allow" },
     { OPTION_CLOSURE, "--closure", "WHAT", LINKING, KIND_CHOICE, FIELD(closure), 0, 0,
       "none,rows,reciprocity,both", "enforce row sums, reciprocity on the factors (default both)" },
     { OPTION_STORAGE, "--storage", "BITS", LINKING, KIND_CHOICE, FIELD(storage), 0, 0, "32,16",

@@ -66,6 +66,7 @@ typedef enum {
     OPTION_WELD,
     OPTION_RAYS,
     OPTION_LAMP_RAYS,
+    OPTION_ACCURACY,
     OPTION_CLOSURE,
     OPTION_STORAGE,
     OPTION_FACTORS,
@@ -121,6 +122,7 @@ typedef struct Options {
     uint64_t    max_memory;  /* bytes */
     double      time_limit;  /* seconds */
     double      checkpoint;  /* seconds between two; only when given */
+    double      accuracy;    /* of factors between groups; 0: not given */
     double      patch_size, least_size, weld, surroundings, tolerance, fov, unit_m, lamp;
     double      exposure;    /* EV; meaningful only when exposure_set */
     bool        exposure_set;

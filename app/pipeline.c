@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "app/pipeline_adapt.h"
+#include "app/pipeline_groups.h"
 #include "app/saving.h"
 #include "app/trace.h"
 #include "base/array.h"
@@ -298,7 +299,7 @@ bool pipeline_patches(Pipeline *pipeline, Error *err)
     const bool coarse = settings->adapt && !(settings->patch_size > 0);
     const PatchOptions po = { .size = settings->patch_size,
                               .wanted = coarse ? pipeline_adapt_start(settings)
-                                               : settings->patches,
+                                               : pipeline_groups_patches(pipeline),
                               .sides = pipeline->sides, .emitting = pipeline->emitting };
     do {
         pipeline->patches = patches_create(pipeline->surfaces, &po, &session->monitor, err);
@@ -404,7 +405,10 @@ int pipeline_exit_code(const Pipeline *pipeline)
         return ERROR_STOPPED;
     const bool open = (rows && pipeline->report.row_sum_error_max > CLOSURE_TOLERANCE) ||
                       (pairs && pipeline->report.reciprocity_error_max > CLOSURE_TOLERANCE);
-    return unsolved || (promised && open) ? 4 : 0;
+    const GroupFactors *groups = pipeline->groups;
+    const bool rough = groups != NULL && groups->reached > groups->asked &&
+                       options_given(&pipeline->session->options, OPTION_ACCURACY);
+    return unsolved || rough || (promised && open) ? 4 : 0;
 }
 
 void pipeline_clear(Pipeline *pipeline)
@@ -415,6 +419,8 @@ void pipeline_clear(Pipeline *pipeline)
     array_free(pipeline->direct.irradiance);
     links_destroy(pipeline->links);
     links_destroy(pipeline->raw_links);
+    group_factors_destroy(pipeline->groups);
+    array_free(pipeline->group_class);
     patches_destroy(pipeline->patches);
     array_free(pipeline->sides);
     array_free(pipeline->emitting);

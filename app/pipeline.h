@@ -7,6 +7,7 @@
 #include "app/session.h"
 #include "inspect/imprint.h"
 #include "radiosity/direct.h"
+#include "radiosity/group_factors.h"
 #include "radiosity/links.h"
 #include "radiosity/room.h"
 #include "radiosity/sides.h"
@@ -48,7 +49,9 @@ typedef struct Pipeline {
     size_t       point_count;
     Patches     *patches;
     Room         room;
-    Links       *links;
+    GroupFactors *groups;           /* factors between groups or materials; else NULL */
+    uint32_t    *group_class;       /* [groups->count]  the scene's group or material of each */
+    Links       *links;             /* between patches, or with a row for each of groups' */
     LinksReport  raw, report;       /* of the links as cast, and as enforced */
     LinksChange  change;            /* of factors, by enforcing */
     double       closure_seconds;   /* of enforcing alone */

@@ -7,6 +7,7 @@
 
 #include "app/pipeline.h"
 #include "app/pipeline_adapt.h"
+#include "app/pipeline_groups.h"
 #include "app/saving.h"
 #include "radiosity/links_file.h"
 
@@ -63,6 +64,10 @@ static bool find_links(Pipeline *pipeline, const LinksOptions *lo, Error *err)
     const char *path = session->options.factors;
     LinksOptions casting = *lo;
     struct stat info;
+    if (pipeline_groups_wanted(pipeline) && !pipeline_groups(pipeline, err))
+        return false;
+    if (pipeline->links != NULL)
+        return true;
     if (path == NULL)
         return cast(pipeline, &casting, err);
     const uint64_t key = links_key(&pipeline->room, lo);

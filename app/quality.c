@@ -8,7 +8,7 @@
 
 typedef struct {
     uint32_t patches, rays, lamp_rays, spp, gather_rays, point_rays;
-    double   tolerance;
+    double   tolerance, accuracy;
 } Level;
 
 /* Each step takes about four times as long as the one before and halves the noise. Light is read
@@ -16,10 +16,10 @@ typedef struct {
  * The tolerance bounds the error of the energy balance; sweeps over stored links cost next to
  * nothing, so it is far below what rays can do. */
 static const Level levels[] = {
-    [QUALITY_DRAFT] = { 2500, 128, 32, 16, 2, 1024, 1e-4 },
-    [QUALITY_MEDIUM] = { 10000, 256, 64, 64, 4, 4096, 1e-7 },
-    [QUALITY_HIGH] = { 20000, 512, 128, 256, 4, 16384, 1e-8 },
-    [QUALITY_FINAL] = { 40000, 1024, 256, 1024, 4, 65536, 1e-8 },
+    [QUALITY_DRAFT] = { 2500, 128, 32, 16, 2, 1024, 1e-4, 5e-4 },
+    [QUALITY_MEDIUM] = { 10000, 256, 64, 64, 4, 4096, 1e-7, 1e-4 },
+    [QUALITY_HIGH] = { 20000, 512, 128, 256, 4, 16384, 1e-8, 3e-5 },
+    [QUALITY_FINAL] = { 40000, 1024, 256, 1024, 4, 65536, 1e-8, 1e-5 },
 };
 
 /* By default only where the number of patches is free: who asks for a size means it. Factors that
@@ -59,6 +59,7 @@ Settings quality_settings(const Options *options)
         s.patch_size = options->patch_size;
         s.patches = options->patches;
     }
+    s.accuracy = options->accuracy > 0 ? options->accuracy : level->accuracy;
     s.adapt = adapts(options);
     s.least_size = options->least_size;
     s.repair = repair_options(options);
@@ -125,6 +126,7 @@ void quality_print(FILE *out, const Options *options, const Settings *s)
     print_value(out, options, OPTION_WELD, options->weld);
     print_value(out, options, OPTION_RAYS, s->rays);
     print_value(out, options, OPTION_LAMP_RAYS, s->lamp_rays);
+    print_value(out, options, OPTION_ACCURACY, s->accuracy);
     print_choice(out, options, OPTION_CLOSURE, (int)s->closure);
     print_choice(out, options, OPTION_STORAGE, options->storage);
     print_choice(out, options, OPTION_SOLVER, (int)s->solver);

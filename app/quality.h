@@ -19,6 +19,7 @@ typedef struct {
     SurfaceOptions repair;
     ImprintOptions imprint; /* but for the number of pieces and the list */
     uint32_t rays, lamp_rays;
+    double   accuracy;       /* standard error of factors between groups */
     Closure  closure;
     Solver   solver;
     double   tolerance;

@@ -3,6 +3,7 @@
 #include "app/summary.h"
 
 #include <assert.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 
@@ -119,6 +120,30 @@ static void put_errors(Json *json, const LinksReport *report)
     json_number(json, "reciprocity_error_rms", report->reciprocity_error_rms);
 }
 
+/* How pairs of sides were estimated, and what was reached. */
+static void put_groups(Json *json, const GroupFactors *groups)
+{
+    static const char *const kinds[GROUP_KINDS] = { "away", "exact", "clipped", "rays" };
+    json_open(json, "estimators", '{');
+    for (int k = 0; k < GROUP_KINDS; k++)
+        json_count(json, kinds[k], groups->pairs[k]);
+    json_close(json, '}');
+    json_count(json, "points", groups->points);
+    json_number(json, "accuracy_asked", groups->asked);
+    json_number(json, "accuracy_reached", groups->reached);
+    json_open(json, "standard_errors", '[');
+    for (uint32_t i = 0; i < groups->count; i++) {
+        if (!(groups->area[i] > 0))
+            continue; /* has no row in the matrix either */
+        json_open(json, NULL, '[');
+        for (uint32_t j = 0; j < groups->count; j++)
+            if (groups->area[j] > 0)
+                json_number(json, NULL, group_factor_error(groups, i, j));
+        json_close(json, ']');
+    }
+    json_close(json, ']');
+}
+
 /* What enforcing changed, and how the factors are stored. */
 static void put_enforced(Json *json, const Pipeline *pipeline)
 {
@@ -167,6 +192,8 @@ static void put_factors(Json *json, const Pipeline *pipeline)
     json_count(json, "nonzeros", pipeline->raw.nonzeros);
     json_close(json, '}');
     put_enforced(json, pipeline);
+    if (pipeline->groups != NULL)
+        put_groups(json, pipeline->groups);
     json_close(json, '}');
 }
 
@@ -314,6 +341,19 @@ static void print_light(const Pipeline *pipeline)
                 fmax(e[0].error, fmax(e[1].error, e[2].error)));
 }
 
+static void print_groups(const Pipeline *pipeline)
+{
+    const GroupFactors *g = pipeline->groups;
+    if (g == NULL)
+        return;
+    session_say(pipeline->session,
+                "           pairs of faces: %" PRIu64 " exact, %" PRIu64 " clipped (%.3g points), %"
+                PRIu64 " by rays", g->pairs[GROUP_EXACT], g->pairs[GROUP_CLIPPED],
+                (double)g->points, g->pairs[GROUP_RAYS]);
+    session_say(pipeline->session, "           largest standard error %.2g, %.2g was asked for%s",
+                g->reached, g->asked, g->reached <= g->asked ? "" : ": more --rays are needed");
+}
+
 static void print_enforced(const Pipeline *pipeline)
 {
     if (pipeline->session->settings.closure != CLOSURE_NONE)
@@ -347,6 +387,7 @@ void summary_print(const Pipeline *pipeline)
                     pipeline->report.row_sum_error_max, pipeline->raw.row_sum_error_max,
                     pipeline->report.reciprocity_error_max, pipeline->raw.reciprocity_error_max,
                     pipeline->report.escaped);
+        print_groups(pipeline);
         print_enforced(pipeline);
     }
     if (pipeline->solution != NULL)

@@ -128,7 +128,7 @@ static bool patch_is(const Pipeline *pipeline, uint32_t i, const char *group, un
 }
 
 /* F between two groups' sides, and how many patches the first has. */
-static double group_factor(const Pipeline *pipeline, const FactorRow *row, uint32_t *patches)
+static double factor_between(const Pipeline *pipeline, const FactorRow *row, uint32_t *patches)
 {
     const Links *links = pipeline->links;
     double exchange = 0, area = 0;
@@ -157,7 +157,7 @@ static bool run_pairs(Validation *validation, Error *err)
         Scene *scene = make_scene(row->name, row->part, 0, err);
         uint32_t patches = 0;
         if (validation_run(validation, scene, &setup, &session, &pipeline, err)) {
-            const double value = group_factor(&pipeline, row, &patches);
+            const double value = factor_between(&pipeline, row, &patches);
             const double deviation = sqrt(f * (1 - f) / ((double)RAYS * patches));
             /* Factors are stored in float; F = 1 has no other error. */
             validation_check(validation, row->name, f, value, 3 * deviation + FLT_EPSILON,

@@ -75,3 +75,8 @@ Links *links_create(const Room *room, const LinksOptions *options, const Monitor
     row_maker_clear(&maker);
     return links;
 }
+
+Links *links_empty(uint32_t count, uint64_t nonzeros, Error *err)
+{
+    return links_allocate(count, nonzeros, err);
+}

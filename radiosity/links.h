@@ -94,6 +94,9 @@ Links *links_create(const Room *room, const LinksOptions *options, const Monitor
  * fails  as links_create. */
 Links *links_refine(const Links *old, const Room *room, const uint32_t *parent,
                     const LinksOptions *options, const Monitor *monitor, Error *err);
+/* Rows to be filled by the caller: first, escape and area are zero; room for `nonzeros` links.
+ * fails  NULL; ERROR_MEMORY. */
+Links *links_empty(uint32_t count, uint64_t nonzeros, Error *err);
 /* Frees; NULL is allowed. Always returns NULL. */
 Links *links_destroy(Links *links);
 /* Measures the links as they are; not packed.
