@@ -7,7 +7,9 @@
  * [heckbert92]. What lies inside a solid becomes a face of its own that no ray reaches. Where two
  * faces lie in one plane and look the same way, the larger one gives up the part in common; to a
  * sheet of light any face that gives none gives way. A body that gives light all round and touches
- * a wall gives way itself: it neither opens the wall nor shines through it.
+ * a wall gives way itself: it neither opens the wall nor shines through it; unless it is outside,
+ * sunk into the wall of an enclosed place. Of two faces with the same corners, wound alike, the one
+ * that gives light stays, else the first.
  *
  * Cuts run on across the whole face where that makes few pieces, so that the pieces of a rectangle
  * are rectangles, edge to edge; otherwise only as far as they must.

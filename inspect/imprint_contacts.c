@@ -44,14 +44,6 @@ static bool add_line(ImprintContacts *c, const Pairing *pair, Vec3 a, Vec3 b, bo
     return true;
 }
 
-/* Whether an unlit part in the plane of a lit one gives way to it. A sheet of light in a ceiling is
- * to shine whichever way it is wound; but the back of a box that hangs on a wall must neither open
- * the wall nor shine into the room behind it. */
-static bool yields_to_lamp(LampKind lamp, bool same_way)
-{
-    return lamp == LAMP_SHEET || (lamp == LAMP_CASED && same_way);
-}
-
 bool imprint_same_outline(const ImprintParts *parts, const ImprintPart *a, const ImprintPart *b)
 {
     const double tolerance = fmax(a->tolerance, b->tolerance);
@@ -68,30 +60,46 @@ bool imprint_same_outline(const ImprintParts *parts, const ImprintPart *a, const
     return true;
 }
 
+/* Whether an unlit part in the plane of a lit one gives way to it. A sheet of light in a ceiling is
+ * to shine whichever way it is wound; but the back of a box that hangs on a wall must neither open
+ * the wall nor shine into the room behind it. */
+static bool yields_to_lamp(ImprintContacts *c, const Pairing *pair, bool same_way, bool *yields,
+                           Error *err)
+{
+    const uint32_t me = (uint32_t)(pair->part - pair->parts->part);
+    const uint32_t other = (uint32_t)(pair->other - pair->parts->part);
+    const uint32_t lamp = c->lamp[me] == LAMP_NONE ? other : me;
+    const LampKind kind = (LampKind)c->lamp[lamp];
+    if (kind == LAMP_BODY)
+        return imprint_body_opens(pair->parts, lamp, c, yields, err);
+    *yields = kind == LAMP_SHEET || (kind == LAMP_CASED && same_way)
+           || (same_way && imprint_same_outline(pair->parts, pair->part, pair->other));
+    return true;
+}
+
 /* Whether the part gives way to another in its plane: a lamp goes first; then, of two that look the
  * same way, the smaller face: it is the one that someone put there; of equals the one that gives
- * light stays, else the earlier.
- * Never both, and never in a ring, so that something stays everywhere. */
-static bool gives_way(const Pairing *pair, const ImprintContacts *c)
+ * light stays, else the earlier. Never both, and never in a ring, so that something stays
+ * everywhere. */
+static bool gives_way(ImprintContacts *c, const Pairing *pair, bool *way, Error *err)
 {
     const ImprintPart *part = pair->part, *other = pair->other;
     const LampKind lamp = (LampKind)c->lamp[part - pair->parts->part];
     const LampKind other_lamp = (LampKind)c->lamp[other - pair->parts->part];
     const bool same_way = vec3_dot(part->normal, other->normal) > 0;
-    const bool one_lit = (lamp == LAMP_NONE) != (other_lamp == LAMP_NONE);
-    if (same_way && one_lit && imprint_same_outline(pair->parts, part, other))
-        return lamp == LAMP_NONE;
-    if (lamp == LAMP_NONE && other_lamp != LAMP_NONE)
-        return yields_to_lamp(other_lamp, same_way);
-    if (lamp != LAMP_NONE && other_lamp == LAMP_NONE)
-        return !yields_to_lamp(lamp, same_way);
-    if (!same_way)
-        return false;
-    if (lamp != other_lamp)
-        return other_lamp < lamp;
-    if (other->area != part->area)
-        return other->area < part->area;
-    return other < part;
+    if ((lamp == LAMP_NONE) != (other_lamp == LAMP_NONE)) {
+        bool yields;
+        if (!yields_to_lamp(c, pair, same_way, &yields, err))
+            return false;
+        *way = yields == (lamp == LAMP_NONE);
+    } else if (!same_way) {
+        *way = false;
+    } else if (lamp != other_lamp) {
+        *way = other_lamp < lamp;
+    } else {
+        *way = other->area != part->area ? other->area < part->area : other < part;
+    }
+    return true;
 }
 
 /* Two parts in one plane: the other's outline. */
@@ -102,7 +110,9 @@ static bool add_outline(ImprintContacts *c, const Pairing *pair, Error *err)
     if (!imprint_lamp_find(pair->parts, me, c, err)
         || !imprint_lamp_find(pair->parts, other, c, err))
         return false;
-    const bool covered = !c->keep_covered && gives_way(pair, c);
+    bool covered = false;
+    if (!c->keep_covered && !gives_way(c, pair, &covered, err))
+        return false;
     if (!covered && c->keep_whole)
         return true;
     for (uint32_t k = 0; k < pair->other->count; k++)
@@ -202,5 +212,6 @@ void imprint_contacts_clear(ImprintContacts *c)
     array_free(c->lamp);
     array_free(c->row);
     array_free(c->beside);
+    bvh_destroy(c->bvh);
     *c = (ImprintContacts){ 0 };
 }

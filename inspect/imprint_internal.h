@@ -5,6 +5,7 @@
 
 #include "inspect/imprint.h"
 #include "inspect/internal.h"
+#include "raycast/bvh.h"
 
 /* A flat convex part of a face: the whole of it, or a triangle. */
 typedef struct {
@@ -66,6 +67,7 @@ typedef struct {
     uint8_t     *lamp;       /* [parts]  LampKind */
     uint32_t    *row;        /* [parts]  a lit face, part by part; scratch */
     uint32_t    *beside;     /* [parts]  scratch */
+    Bvh         *bvh;        /* over all parts and shapes; made when first needed */
 } ImprintContacts;
 
 /* imprint_contacts.c: whether two parts in one plane have the same corners. */
@@ -78,6 +80,14 @@ void imprint_contacts_clear(ImprintContacts *contacts);
 /* imprint_lamps.c: fills in contacts->lamp of a part, and of those it goes on in. */
 bool imprint_lamp_find(const ImprintParts *parts, uint32_t part, ImprintContacts *contacts,
                        Error *err);
+bool imprint_emits(const Polygons *soup, uint32_t face);
+/* Whether two parts have an edge in common, whichever way it runs. */
+bool imprint_share_edge(const ImprintParts *parts, const ImprintPart *a, const ImprintPart *b);
+
+/* imprint_bodies.c: whether a wall gives way to the face of a body of light in its plane: the body
+ * is behind the wall, and the light it sends to the other side arrives in a room. */
+bool imprint_body_opens(const ImprintParts *parts, uint32_t lamp, ImprintContacts *contacts,
+                        bool *opens, Error *err);
 
 /* Convex pieces in a row; corners are indices into position. */
 typedef struct {

@@ -6,7 +6,7 @@
 #include "base/array.h"
 #include "inspect/imprint_internal.h"
 
-static bool emits(const Polygons *soup, uint32_t face)
+bool imprint_emits(const Polygons *soup, uint32_t face)
 {
     return rgb_max(soup->materials[soup->material[face]].emission) > 0;
 }
@@ -16,8 +16,7 @@ static bool is_at(Vec3 p, Vec3 q, double tolerance)
     return vec3_length(vec3_sub(p, q)) <= tolerance;
 }
 
-/* Whether two parts have an edge in common, whichever way it runs. */
-static bool share_edge(const ImprintParts *parts, const ImprintPart *a, const ImprintPart *b)
+bool imprint_share_edge(const ImprintParts *parts, const ImprintPart *a, const ImprintPart *b)
 {
     const double tolerance = fmax(a->tolerance, b->tolerance);
     for (uint32_t i = 0; i < a->count; i++) {
@@ -51,15 +50,15 @@ static LampKind kind_beside(const ImprintParts *parts, const ImprintPart *part,
 {
     const Polygons *soup = parts->soup;
     const double tolerance = fmax(part->tolerance, other->tolerance);
-    const bool lit = emits(soup, other->face);
+    const bool lit = imprint_emits(soup, other->face);
     double low, high;
     heights(parts, part, other, &low, &high);
     if (low >= -tolerance && high <= tolerance)
-        return lit && vec3_dot(part->normal, other->normal) > 0 ? LAMP_UNKNOWN : LAMP_SHEET;
+        return lit ? LAMP_UNKNOWN : LAMP_SHEET;
+    if (lit)
+        return LAMP_BODY; /* whichever way it is wound */
     if (low >= -tolerance)
         return LAMP_SHEET; /* before the face, as in a cove */
-    if (lit)
-        return LAMP_BODY;
     /* Walls that a sheet of light ends at are no case of it. */
     return soup->group[other->face] == soup->group[part->face] ? LAMP_CASED : LAMP_SHEET;
 }
@@ -75,7 +74,7 @@ static LampKind look_round(const ImprintParts *parts, uint32_t index, ImprintCon
     LampKind most = LAMP_SHEET;
     for (uint32_t k = 0; k < met; k++) {
         const uint32_t i = parts->tree.entry[c->beside[k]].item;
-        if (i == index || !share_edge(parts, part, &parts->part[i]))
+        if (i == index || !imprint_share_edge(parts, part, &parts->part[i]))
             continue;
         const LampKind kind = kind_beside(parts, part, &parts->part[i]);
         if (kind > most)
@@ -107,7 +106,7 @@ bool imprint_lamp_find(const ImprintParts *parts, uint32_t index, ImprintContact
         return false;
     if (c->lamp[index] != LAMP_UNKNOWN)
         return true;
-    if (!emits(parts->soup, parts->part[index].face)) {
+    if (!imprint_emits(parts->soup, parts->part[index].face)) {
         c->lamp[index] = LAMP_NONE;
         return true;
     }

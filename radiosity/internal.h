@@ -339,8 +339,10 @@ bool reach_spread(Reach *reach, Error *err);
 /* Only lets what was added look on, without looking back; false when stopped. */
 bool reach_spread_on(Reach *reach);
 
-/* sides_shells.c: which parts are closed and wound alike: sight never passes from their fronts to
- * their backs. */
+/* sides_shells.c: whether a surface and its neighbour over edge k are wound alike: then they run
+ * along their edge in opposite directions. Where they share several edges, all must say so. */
+bool shells_alike(const Surfaces *surfaces, uint32_t surface, unsigned k, uint32_t neighbour);
+/* Which parts are closed and wound alike: sight never passes from their fronts to their backs. */
 bool shells_find(const Surfaces *surfaces, uint8_t **shell, Error *err);
 
 /* Decides which sides emit; returns how many surfaces EMIT_AUTO turned. */

@@ -5,6 +5,7 @@
 #include <assert.h>
 #include <string.h>
 
+#include "base/array.h"
 #include "math/sampling.h"
 #include "math/tolerance.h"
 #include "radiosity/internal.h"
@@ -36,18 +37,54 @@ static void start_point(Reach *reach, Vec3 point, size_t k, size_t points, uint3
         reach_aim(reach, point);
 }
 
-/* Warns when what lamps and lights reach by themselves is hardly anything. */
-static void warn_dark(const Reach *reach)
+/* Parts that are lamps rather than lit rooms have at least this share of their area emitting: a
+ * quarter; of a room with a luminous ceiling it is a fifth. */
+static const double LAMP_SHARE = 1.0 / 4;
+
+/* Area of all parts but lamps, and how much of it is in reach. */
+typedef struct {
+    double all, lit;
+} Lit;
+
+static bool measure_lit(const Reach *reach, const uint8_t *emitting, Lit *whole, Lit *others,
+                        Error *err)
 {
-    double lit = 0, all = 0;
-    for (uint32_t i = 0; i < reach->surfaces->count; i++) {
-        all += reach->surfaces->surface[i].area;
-        lit += reach->used[i] != 0 ? reach->surfaces->surface[i].area : 0;
+    const Surfaces *s = reach->surfaces;
+    double *share = array_create(s->part_count, sizeof *share, "parts", err);
+    double *area = array_create(s->part_count, sizeof *area, "parts", err);
+    for (uint32_t i = 0; !error_is_set(err) && i < s->count; i++) {
+        area[s->part[i]] += s->surface[i].area;
+        share[s->part[i]] += emitting[i] != 0 ? s->surface[i].area : 0;
     }
-    if (reach->reached > 0 && lit < DARK_SHARE * all)
+    for (uint32_t i = 0; !error_is_set(err) && i < s->count; i++) {
+        const double a = s->surface[i].area, lit = reach->used[i] != 0 ? a : 0;
+        whole->all += a;
+        whole->lit += lit;
+        if (share[s->part[i]] >= LAMP_SHARE * area[s->part[i]])
+            continue;
+        others->all += a;
+        others->lit += lit;
+    }
+    array_free(share);
+    array_free(area);
+    return !error_is_set(err);
+}
+
+/* Warns when what lamps and lights reach by themselves is hardly anything, or nothing else than
+ * themselves. */
+static bool warn_dark(const Reach *reach, const uint8_t *emitting, Error *err)
+{
+    Lit whole = { 0 }, others = { 0 };
+    if (reach->reached == 0)
+        return true;
+    if (!measure_lit(reach, emitting, &whole, &others, err))
+        return false;
+    if (whole.lit < DARK_SHARE * whole.all || (others.all > 0 && !(others.lit > 0)))
         monitor_warn(reach->monitor, "dark-scene", "",
-                     "only %.2g %% of the scene's area is in reach of any light: a lamp may be "
-                     "shut in, or wound the wrong way round (--emit back)", 100 * lit / all);
+                     "only %.2g %% of the scene's area, lamps left out, is in reach of any light: "
+                     "a lamp may be shut in, or wound the wrong way round (--emit back)",
+                     others.all > 0 ? 100 * others.lit / others.all : 0);
+    return true;
 }
 
 /* First what gives light: it is known then what that reaches; then the eyes. */
@@ -60,7 +97,8 @@ static bool start(Reach *reach, const Light *lights, size_t light_count,
         start_point(reach, lights[k].position, eyes + k, points, options->seed);
     if (!reach_spread_on(reach))
         return error_set(err, ERROR_STOPPED, "stopped while looking for sides in sight");
-    warn_dark(reach);
+    if (!warn_dark(reach, emitting, err))
+        return false;
     for (size_t k = 0; k < eyes; k++)
         start_point(reach, options->eye[k], k, points, options->seed);
     return true;

@@ -32,10 +32,12 @@ typedef struct {
  * eye is given has all sides in use. EMIT_AUTO: front, except where the front faces a wall a hair
  * away (all sample points blocked within 1/50 of the lamp's extent by a surface that is not a lamp)
  * and the back does not, or where the front sees nothing at all, no eye either, and the back does:
- * a lamp in the plane of its ceiling; or where all light from the front stays in the lamp itself or
- * its case, no eye in there, and the back has the scene before it: a bulb wound inward; then back;
- * warned ("lamp-turned"). Materials with emits_both emit on both. Where lamps and lights reach
- * hardly any of the scene's area, that is warned of ("dark-scene").
+ * a lamp in the plane of its ceiling; or where all light from the front stays in the lamp itself,
+ * in its small case, or in a closed part of any size of which the lamp is a third, no eye in there,
+ * and the back has the scene before it: a bulb or luminaire wound inward; then back; warned
+ * ("lamp-turned"). Faces of a lamp that are wound unlike their neighbours are decided apart.
+ * Materials with emits_both emit on both. Where lamps and lights reach hardly any of the scene's
+ * area, or nothing but lamps, that is warned of ("dark-scene").
  * fails  ERROR_MEMORY, ERROR_STOPPED. */
 bool sides_find(const Surfaces *surfaces, const Bvh *bvh, const Material *materials,
                 const Light *lights, size_t light_count, const SidesOptions *options,

@@ -22,6 +22,10 @@ enum { STEPS = 8, WALKS = 1 << 14 };
  * while the lamp has at least that share of the box's. A room is no case: it is larger. */
 static const double CASE_SHARE = 1.0 / 20, CASE_LAMP = 1.0 / 5;
 
+/* A closed part of which the lamp has at least this share is a luminaire, however large: of a room
+ * with a luminous ceiling it has less. */
+static const double LUMINAIRE_LAMP = 1.0 / 3;
+
 /* Walks that may slip out through cracks of a closed lamp. */
 static const double LEAK_SHARE = 1.0 / 200;
 
@@ -35,6 +39,8 @@ typedef struct {
     uint32_t       *member;  /* [surfaces]  the lamp being looked at */
     uint32_t        members;
     double          area;    /* of the scene */
+    double         *part_area; /* [surfaces->part_count] */
+    bool            luminaire; /* all of the lamp's part is its own, lit or not */
 } LampSearch;
 
 typedef struct {
@@ -53,7 +59,7 @@ static bool is_double(const LampSearch *search, uint32_t surface)
     return search->surfaces->surface[surface].back != SURFACE_NONE;
 }
 
-/* Gathers the surfaces of one lamp: neighbours with the same material. */
+/* Gathers the surfaces of one lamp: neighbours with the same material, wound alike. */
 static void gather_lamp(LampSearch *search, uint32_t first)
 {
     const Surface *surface = search->surfaces->surface;
@@ -64,7 +70,8 @@ static void gather_lamp(LampSearch *search, uint32_t first)
         for (int edge = 0; edge < 4; edge++) {
             const uint32_t next = surface[search->member[k]].neighbour[edge];
             if (next == SURFACE_NONE || search->seen[next] || is_double(search, next) ||
-                surface[next].material != surface[first].material)
+                surface[next].material != surface[first].material ||
+                !shells_alike(search->surfaces, search->member[k], (unsigned)edge, next))
                 continue;
             search->seen[next] = 1;
             search->member[search->members++] = next;
@@ -181,12 +188,27 @@ static double meeting_share(const LampSearch *search, unsigned side, bool any)
 /* --- lamps shut in ---------------------------------------------------------------------------- */
 
 /* Whether a surface shines to its front as a piece of the lamp's own body, whatever its
- * material. */
+ * material; of a luminaire any. */
 static bool is_own(const LampSearch *search, uint32_t surface)
 {
     const uint32_t *part = search->surfaces->part;
     return part[surface] == part[search->member[0]] && !is_double(search, surface) &&
-           emits(search, surface, 0);
+           (search->luminaire || emits(search, surface, 0));
+}
+
+static double lamp_area(const LampSearch *search)
+{
+    double area = 0;
+    for (uint32_t k = 0; k < search->members; k++)
+        area += search->surfaces->surface[search->member[k]].area;
+    return area;
+}
+
+static bool is_luminaire(const LampSearch *search)
+{
+    const uint32_t part = search->surfaces->part[search->member[0]];
+    return search->surfaces->part_closed[part] &&
+           lamp_area(search) >= LUMINAIRE_LAMP * search->part_area[part];
 }
 
 /* Whether the back sees an eye, or a side of another body that may be lit or shines itself. */
@@ -262,9 +284,8 @@ static bool is_shut_in(const LampSearch *search, unsigned side, Bounds *bounds)
     const uint32_t each = WALKS / search->members;
     const uint32_t walks = each < 1 ? 1 : each > POINTS ? POINTS : each;
     const double bearable = LEAK_SHARE * walks * search->members;
-    double lamp = 0, escaped = 0;
-    for (uint32_t k = 0; k < search->members; k++)
-        lamp += search->surfaces->surface[search->member[k]].area;
+    const double lamp = lamp_area(search);
+    double escaped = 0;
     for (uint32_t k = 0; k < search->members; k++)
         for (uint32_t n = 0; n < walks; n++) {
             float x[2];
@@ -351,6 +372,7 @@ static void decide_all(LampSearch *search, EmitSide emit, uint8_t *emitting, uin
             emitting[i] = bits[emit];
         } else if (!search->seen[i]) {
             gather_lamp(search, i);
+            search->luminaire = is_luminaire(search);
             if (decide_auto(search, emitting)) {
                 name = *turned == 0 && material->name != NULL ? material->name : name;
                 *turned += search->members;
@@ -375,13 +397,18 @@ bool sides_emission(const Surfaces *surfaces, const Bvh *bvh, const Material *ma
     search.seen = array_create(surfaces->count, sizeof *search.seen, "the search for lamps", err);
     search.member =
         array_create(surfaces->count, sizeof *search.member, "the search for lamps", err);
+    search.part_area =
+        array_create(surfaces->part_count, sizeof *search.part_area, "the search for lamps", err);
     const bool made = !error_is_set(err);
-    for (uint32_t i = 0; i < surfaces->count; i++)
+    for (uint32_t i = 0; made && i < surfaces->count; i++) {
         search.area += surfaces->surface[i].area;
+        search.part_area[surfaces->part[i]] += surfaces->surface[i].area;
+    }
     *turned = 0;
     if (made)
         decide_all(&search, options->emit, emitting, turned, monitor);
     array_free(search.seen);
     array_free(search.member);
+    array_free(search.part_area);
     return made;
 }

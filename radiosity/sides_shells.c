@@ -36,9 +36,7 @@ static bool edge_neighbour(const Surfaces *s, uint32_t surface, unsigned k, uint
     return true;
 }
 
-/* Whether two neighbours are wound alike: then they run along their edge in opposite directions.
- * Where they share several edges, all must say so. */
-static bool is_alike(const Surfaces *s, uint32_t surface, unsigned k, uint32_t other)
+bool shells_alike(const Surfaces *s, uint32_t surface, unsigned k, uint32_t other)
 {
     const Vec3 way = edge_way(s, surface, k);
     bool found = false;
@@ -69,7 +67,7 @@ static bool is_sound(const Surfaces *s, uint32_t surface)
     for (unsigned k = 0; k < edges_of(f); k++) {
         uint32_t other;
         for (uint32_t n = 0; edge_neighbour(s, surface, k, n, &other); n++)
-            if (other == SURFACE_NONE || !is_alike(s, surface, k, other))
+            if (other == SURFACE_NONE || !shells_alike(s, surface, k, other))
                 return false;
     }
     return true;

@@ -190,6 +190,36 @@ static void test_lamp_body(void **state)
     }
 }
 
+/* Lamps that are boxes at the ceiling of a room, below it or sunk into it with their bottoms in its
+ * plane, whichever way lamp and room are wound: only the sunk one opens the ceiling. A room above
+ * that one keeps the ceiling whole. */
+static void test_lamp_body_in_room(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 16; k++) {
+        TestRoom r = { 0 };
+        const uint32_t wall = room_material(&r, 0.5, 0), lamp = room_material(&r, 0, 1);
+        const bool sunk = k & 1, upstairs = k & 8;
+        const double z = sunk ? 2 : 1.5;
+        double ceiling, lit = 0, area;
+        room_box(&r, ORIGIN, vec3(4, 3, 2), BOX_ALL, (k & 2) != 0, wall, "");
+        room_box(&r, vec3(1, 1, z), vec3(2, 2, z + 0.5), BOX_ALL, (k & 4) != 0, lamp, "lamp-");
+        if (upstairs)
+            room_box(&r, vec3(0, 0, 2), vec3(4, 3, 4), BOX_ALL - BOX_Z0, true, wall, "up-");
+        Imprint im = imprinted(&r, 0);
+        pieces_of(&im, 5, &ceiling);
+        for (uint32_t i = 6; i < 12; i++) {
+            pieces_of(&im, i, &area);
+            lit += area;
+        }
+        const bool opens = sunk && !upstairs;
+        assert_true(is_near(ceiling, opens ? 11 : 12));
+        assert_true(is_near(lit, opens ? 4 : 3));
+        imprint_clear(&im);
+        room_clear(&r);
+    }
+}
+
 /* A floor under others of the same area in all, and under one that equals it: one layer stays. */
 static void test_covered_altogether(void **state)
 {
@@ -375,7 +405,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_untouched), cmocka_unit_test(test_box_on_floor),
         cmocka_unit_test(test_wall_end),  cmocka_unit_test(test_lamp_in_plane),
-        cmocka_unit_test(test_lamp_body), cmocka_unit_test(test_covered_altogether),
+        cmocka_unit_test(test_lamp_body), cmocka_unit_test(test_lamp_body_in_room),
+        cmocka_unit_test(test_covered_altogether),
         cmocka_unit_test(test_decals),   cmocka_unit_test(test_switched_off),
         cmocka_unit_test(test_many),      cmocka_unit_test(test_memory),
     };

@@ -349,6 +349,58 @@ static void test_lamp_flips(void **state)
     }
 }
 
+/* The same with windings left as they are in the file: each face is decided by itself. */
+static void test_lamp_flips_left(void **state)
+{
+    (void)state;
+    static const int flips[3] = { 1, 6, 21 };
+    for (int k = 0; k < 3; k++) {
+        TestRoom r = { 0 };
+        Error err = { 0 };
+        const Vec3 lo = { 1.5, 1.5, 2.4 }, hi = { 2.5, 2.5, 2.7 };
+        const uint32_t lamp = room_material(&r, 0, 1);
+        room_box(&r, ORIGIN, vec3(4, 4, 3), BOX_ALL, true, room_material(&r, 0.5, 0), "");
+        room_box(&r, lo, hi, flips[k], true, lamp, "in-");
+        room_box(&r, lo, hi, BOX_ALL - flips[k], false, lamp, "out-");
+        r.surfaces = surfaces_repair(&r.soup, &(SurfaceOptions){ .keep_winding = true }, NULL,
+                                     NULL, &err);
+        assert_non_null(r.surfaces);
+        room_trace(&r);
+        assert_true(sides_find(r.surfaces, r.bvh, r.soup.materials, NULL, 0, &(SidesOptions){ 0 },
+                               r.sides, r.emitting, &r.report, NULL, &err));
+        for (uint32_t i = 0; i < r.surfaces->count; i++) {
+            const char *group = r.soup.group_name[r.surfaces->surface[i].group];
+            if (strchr(group, '-') != NULL)
+                assert_int_equal(r.emitting[i], group[0] == 'i' ? BACK : FRONT);
+        }
+        room_clear(&r);
+    }
+}
+
+/* A luminaire as large as half the ceiling, all of it wound inward: it is one all the same. But a
+ * room with a luminous ceiling is none, though all there is stands outside. */
+static void test_large_luminaire(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        TestRoom r = { 0 };
+        const uint32_t wall = room_material(&r, 0.5, 0), lamp = room_material(&r, 0.5, 1);
+        const Vec3 lo = { 0.5, 0.5, 2.2 }, hi = { 3.5, 3.5, 2.6 };
+        room_box(&r, ORIGIN, vec3(4, 4, 3), BOX_ALL, true, wall, "");
+        if (k == 0) {
+            room_box(&r, lo, hi, BOX_Z0, true, lamp, "lamp-");
+            room_box(&r, lo, hi, BOX_ALL - BOX_Z0, true, wall, "case-");
+        } else {
+            room_box(&r, vec3(0.5, 0.5, 0.5), hi, BOX_Z1, true, lamp, "lamp-");
+            room_box(&r, vec3(0.5, 0.5, 0.5), hi, BOX_ALL - BOX_Z1, true, wall, "case-");
+        }
+        find(&r, &(SidesOptions){ 0 }, NULL, 0, NULL);
+        assert_int_equal(emitting_of(&r, k == 0 ? "lamp-z0" : "lamp-z1"), k == 0 ? BACK : FRONT);
+        assert_int_equal(sides_of(&r, "z0"), k == 0 ? FRONT : 0);
+        room_clear(&r);
+    }
+}
+
 /* A light shut in a cupboard of a hall. */
 static void test_dark_scene(void **state)
 {
@@ -460,6 +512,7 @@ int main(void)
         cmocka_unit_test(test_memory),         cmocka_unit_test(test_lamp_outside),
         cmocka_unit_test(test_lamp_inward),    cmocka_unit_test(test_furnaces),
         cmocka_unit_test(test_lamp_flips),     cmocka_unit_test(test_dark_scene),
+        cmocka_unit_test(test_lamp_flips_left), cmocka_unit_test(test_large_luminaire),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
