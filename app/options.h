@@ -74,6 +74,10 @@ typedef enum {
     OPTION_TOLERANCE,
     OPTION_MAX_ITERATIONS,
     OPTION_TRACE,
+    OPTION_RELAXATION,
+    OPTION_OVERSHOOT,
+    OPTION_NO_AMBIENT,
+    OPTION_COMPARE,
     OPTION_CHECKPOINT,
     OPTION_RESUME,
     OPTION_SIZE,
@@ -116,6 +120,7 @@ typedef struct Options {
     int         quality, progress, closure, storage, solver, by, exchange, emit, sides, units;
     int         light;
     bool        print_config, diffuse, help, adapt, no_adapt, constant;
+    bool        overshoot, no_ambient, compare;
     uint32_t    repair;      /* bit RepairBit: do it */
     uint32_t    samples;     /* compare: points of a solution; 0: not given */
     uint32_t    threads, seed, patches, rays, lamp_rays, max_iterations, spp, gather_rays;
@@ -123,6 +128,7 @@ typedef struct Options {
     double      time_limit;  /* seconds */
     double      checkpoint;  /* seconds between two; only when given */
     double      accuracy;    /* of factors between groups; 0: not given */
+    double      relaxation;  /* of sor; 0: not given */
     double      patch_size, least_size, weld, surroundings, tolerance, fov, unit_m, lamp;
     double      exposure;    /* EV; meaningful only when exposure_set */
     bool        exposure_set;

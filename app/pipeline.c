@@ -364,16 +364,18 @@ static bool run_solver(Pipeline *pipeline, Error *err)
     const SolveOptions so = { .solver = settings->solver, .tolerance = settings->tolerance,
                               .max_iterations = settings->max_iterations,
                               .threads = settings->threads, .trace_user = &trace,
+                              .bound = true, .relaxation = session->options.relaxation,
+                              .overshoot = session->options.overshoot,
+                              .no_ambient = session->options.no_ambient,
                               .trace = trace.file != NULL ? trace_step : NULL };
     pipeline->solution = solve(pipeline->links, &pipeline->problem, &so, &session->monitor, err);
     return trace_finish(&trace, err) && pipeline->solution != NULL && !session->broken;
 }
 
-bool pipeline_solve(Pipeline *pipeline, Error *err)
+bool pipeline_light(Pipeline *pipeline, Error *err)
 {
     Session *session = pipeline->session;
     const Settings *settings = &session->settings;
-    const double begin = progress_now();
     assert(pipeline->links != NULL);
     pipeline_begin(pipeline, STAGE_SOLVE);
     const DirectOptions direct = { .seed = settings->seed, .threads = settings->threads,
@@ -383,7 +385,14 @@ bool pipeline_solve(Pipeline *pipeline, Error *err)
         lit = direct_create(&pipeline->room, pipeline->links, &direct, &pipeline->direct,
                             &session->monitor, err);
     } while (!lit && pipeline_hurry(pipeline, err));
-    if (!lit || !set_problem(pipeline, err))
+    return lit && set_problem(pipeline, err);
+}
+
+bool pipeline_solve(Pipeline *pipeline, Error *err)
+{
+    Session *session = pipeline->session;
+    const double begin = progress_now();
+    if (!pipeline_light(pipeline, err))
         return false;
     if (pipeline->solution == NULL && !run_solver(pipeline, err))
         return false;

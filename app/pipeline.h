@@ -81,6 +81,8 @@ bool pipeline_sides(Pipeline *pipeline, Error *err);  /* sides in use; part of t
 bool pipeline_patches(Pipeline *pipeline, Error *err);
 bool pipeline_factors(Pipeline *pipeline, Error *err); /* pipeline_factors.c */
 bool pipeline_solve(Pipeline *pipeline, Error *err);
+/* The first part of it: direct light, and the problem to solve. */
+bool pipeline_light(Pipeline *pipeline, Error *err);
 
 /* Chooses the camera: --camera, --eye, the file's first, else one that shows the room. Between
  * pipeline_mesh and pipeline_patches, for what is seen takes part. */

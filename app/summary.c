@@ -206,6 +206,7 @@ static void put_solve(Json *json, const Pipeline *pipeline)
     json_count(json, "iterations", solution->iterations);
     json_number(json, "residual", solution->residual);
     json_number(json, "unshot", solution->unshot);
+    json_number(json, "error_bound", solution->error_bound);
     json_bool(json, "converged", solution->converged);
     json_number(json, "seconds", pipeline->seconds[STAGE_SOLVE]);
     json_close(json, '}');
@@ -331,9 +332,10 @@ static void print_light(const Pipeline *pipeline)
     const Rgb emitted = rgb(e[0].emitted, e[1].emitted, e[2].emitted);
     const Rgb absorbed = rgb(e[0].absorbed, e[1].absorbed, e[2].absorbed);
     const Rgb escaped = rgb(e[0].escaped, e[1].escaped, e[2].escaped);
-    session_say(pipeline->session, "  solve    %s, %u iterations, residual %.2g%s, %.2f s",
-                solver_name(pipeline->session->settings.solver), solution->iterations,
-                solution->residual, solution->converged ? "" : " (tolerance missed)",
+    session_say(pipeline->session, "  solve    %s, %u iterations, residual %.2g%s, error below "
+                "%.2g, %.2f s", solver_name(pipeline->session->settings.solver),
+                solution->iterations, solution->residual,
+                solution->converged ? "" : " (tolerance missed)", solution->error_bound,
                 pipeline->seconds[STAGE_SOLVE]);
     session_say(pipeline->session,
                 "  energy   emitted %.5g %s, absorbed %.5g, escaped %.5g, balance error %.2g",

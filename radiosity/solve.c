@@ -353,8 +353,7 @@ Solution *solve(const Links *links, const SolveProblem *problem, const SolveOpti
         return NULL;
     assert(links != NULL && problem != NULL && options != NULL);
     assert(problem->bands > 0 && problem->emission != NULL && problem->reflectance != NULL);
-    const double start = clock_seconds();
-    double begin = start;
+    double begin = clock_seconds();
     SolveSystem system;
     Solution *solution = NULL;
     if (system_init(&system, links, problem, options, monitor, err) &&
@@ -376,7 +375,7 @@ Solution *solve(const Links *links, const SolveProblem *problem, const SolveOpti
     }
     system_clear(&system);
     if (solution != NULL)
-        solution->seconds = clock_seconds() - start;
+        solution->seconds = clock_seconds() - begin;
     return solution;
 }
 

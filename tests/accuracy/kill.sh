@@ -28,7 +28,7 @@ kill_runs() {
         kill -9 "$pid" 2>/dev/null
         wait "$pid" 2>/dev/null
         if [ -e "$dir/broken.$ending" ]; then # it was faster this time
-            late=$((late + 1))
+            late=$((late + 1)) k=$((k - 1))
         elif [ -e "$dir/broken.$ending.checkpoint" ]; then
             resumed=$((resumed + 1))
             "$isolux" "$kind" "$scene" -o "$dir/broken.$ending" --progress none \

@@ -1,0 +1,44 @@
+#!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Solvers side by side, and their options.
+. "$(dirname "$0")/tap.inc"
+make_cube "$DIR"
+cube=$DIR/cube.obj
+fast=(--patches 400 --rays 64 --progress none)
+
+ok "all solvers" exits 0 solve "$cube" "${fast[@]}" --compare -o "$DIR/s.csv" --tolerance 1e-9 \
+    --json "$DIR/s.json"
+ok "heading" test "$(head -n 1 "$DIR/s.csv")" = \
+    "solver,step,passes,seconds,rays,residual,unshot,error_bound,error"
+ways() {
+    sed '1d; s/,[0-9].*//' "$1" | sort -u | wc -l
+}
+ok "eight ways" test "$(ways "$DIR/s.csv")" = 8
+# Error at most the bound, at every step of every solver; rounding aside.
+bounded() {
+    sed 's/"progressive, /"progressive /' "$1" |
+        awk -F, 'NR > 1 && $9 > $8 + 1e-13 { bad = 1 } END { exit bad || NR < 50 }'
+}
+ok "errors are within their bounds" bounded "$DIR/s.csv"
+ok "all converged" test "$(grep -c '"converged": true' "$DIR/s.json")" = 8
+ok "a plot" grep -q '</svg>' "$DIR/s.svg"
+ok "with labelled axes" test "$(grep -c 'passes over all links\|>seconds<' "$DIR/s.svg")" = 4
+ok "another ending is refused" fails 2 'FILE.csv and FILE.svg' solve "$cube" "${fast[@]}" \
+    --compare -o "$DIR/s.ply"
+ok "too few steps are told" exits 4 solve "$cube" "${fast[@]}" --compare -o "$DIR/few.csv" \
+    --max-iterations 2
+
+for options in "sor --relaxation 1.2" "progressive --overshoot" "progressive --no-ambient" cg \
+    gmres; do
+    # shellcheck disable=SC2086
+    ok "$options" exits 0 solve "$cube" "${fast[@]}" --solver $options --json "$DIR/one.json"
+done
+shots() {
+    sed -nE 's/.*"iterations": ([0-9]+).*/\1/p' "$1"
+}
+ok "plain shots" exits 0 solve "$cube" "${fast[@]}" --solver progressive --json "$DIR/plain.json"
+ok "overshooting" exits 0 solve "$cube" "${fast[@]}" --solver progressive --overshoot \
+    --json "$DIR/over.json"
+ok "overshooting takes fewer shots" test "$(shots "$DIR/over.json")" -lt \
+    "$(shots "$DIR/plain.json")"
+finish
