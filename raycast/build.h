@@ -3,6 +3,7 @@
  *
  * bvh_refs.c   primitives -> references (a box and a number), input checked
  * bvh_split.c  where to cut a range of references, and the cutting
+ * bvh_top.c    the same for long ranges, by all threads
  * bvh_build.c  ranges -> nodes and groups, subtrees in parallel, all put together
  */
 #ifndef RAYCAST_BUILD_H
@@ -17,6 +18,7 @@
 
 /* Four floats that compilers keep in one register; the fourth is of no meaning in a box. */
 typedef float Float4 __attribute__((vector_size(16)));
+typedef int32_t Int4 __attribute__((vector_size(16)));
 
 static inline Float4 float4_min(Float4 a, Float4 b)
 {
@@ -81,9 +83,8 @@ static inline Box ref_box(const Ref *ref)
 /* Twice the middle of the box; the fourth number is 0. */
 static inline Float4 box_centre(Box box)
 {
-    Float4 sum = box.lo + box.hi;
-    sum[3] = 0;
-    return sum;
+    const Int4 three = { -1, -1, -1, 0 };
+    return (Float4)((Int4)(box.lo + box.hi) & three);
 }
 
 /* --- bvh_refs.c ------------------------------------------------------------------------------ */
@@ -96,43 +97,91 @@ Ref *refs_create(const Primitives *in, unsigned threads, uint32_t *count, Error 
 /* The box around a shape; false when it is not finite or reaches too far. */
 bool shape_box(const Shape *shape, float lo[3], float hi[3]);
 
-/* --- bvh_split.c ----------------------------------------------------------------------------- */
+/* --- ranges ---------------------------------------------------------------------------------- */
 
 typedef struct {
-    int   axis;   /* SPLIT_HALVES: cut the range in the middle, no order; SPLIT_NONE: a leaf */
-    int   bin;    /* bins below this go to the left */
-    int   bins;
+    int axis; /* SPLIT_HALVES: in the middle, no order; SPLIT_LATER: range_cut will decide, but it
+                 is no leaf; SPLIT_NONE: a leaf */
+    int      bin;   /* bins below this go to the left */
+    uint32_t left;  /* how many references those are */
+    Box      box[2]; /* around the primitives of either side; with SPLIT_HALVES of no meaning */
 } Split;
 
 #define SPLIT_HALVES (-1)
-#define SPLIT_NONE (-2)
+#define SPLIT_LATER (-2)
+#define SPLIT_NONE (-3)
 
 typedef struct {
     uint32_t begin, end;
     uint32_t depth;  /* cuts above it */
+    uint32_t where;  /* which of the set's arrays holds it */
     Box      box;    /* around the primitives */
     Box      centre; /* around twice their middles */
     Split    split;  /* what to do with it */
 } Range;
 
-/* References, room for a second copy (NULL: none), and who may help. */
+/* References in either of two arrays: a cut moves a range from one to the other. */
 typedef struct {
-    Ref      *ref, *spare;
+    Ref      *ref[2];         /* both as long as the longest range */
     uint32_t  triangle_count; /* primitives from here on are shapes */
-    unsigned  threads;
+    bool      shapes;         /* whether there are any */
+    unsigned  threads;        /* that take part in cuts of long ranges; 0: none does */
 } RefSet;
 
-/* The whole of a set as a range, not yet decided. */
+/* --- bvh_split.c ----------------------------------------------------------------------------- */
+
+#define BINS_MAX 16
+
+typedef struct {
+    Box      box[3][BINS_MAX];
+    uint32_t count[3][BINS_MAX];
+} Bins;
+
+/* How middles are mapped to bins; an axis without extent has scale 0. */
+typedef struct {
+    Float4 lo, scale, last;
+    int    bins;
+} BinMap;
+
+BinMap bin_map(const Range *r);
+
+/* The bins along all axes of a thing whose box has this centre. */
+static inline Int4 bin_of(const BinMap *map, Float4 centre)
+{
+    const Float4 at = float4_min((centre - map->lo) * map->scale, map->last);
+    return __builtin_convertvector(at, Int4);
+}
+
+void bins_clear(Bins *bins, const BinMap *map);
+void bins_join(Bins *bins, const Bins *other, const BinMap *map);
+/* Clears them first. */
+void bins_fill(Bins *bins, const BinMap *map, const Ref *ref, uint32_t count);
+Split bins_split(const Bins *bins, const BinMap *map, float *cost);
+
+/* Copies references to both sides, in order, and grows the boxes around twice their middles. */
+void refs_scatter(const Ref *ref, uint32_t count, const BinMap *map, const Split *split, Ref *left,
+                  Ref *right, Box centre[2]);
+
+/* The whole of a set as a range, in array 0, not yet decided. */
 Range range_all(const RefSet *set, uint32_t count);
 /* Fills range->split. */
 void range_decide(const RefSet *set, Range *range);
-/* Carries out range->split: left keeps the lower half of the numbers; both are decided.
- * With `spare` and a long range all threads take part; the result does not depend on how many. */
-bool range_cut(RefSet *set, const Range *range, Range *left, Range *right, Error *err);
+/* Carries out range->split: left keeps the lower half of the numbers; both are decided. The result
+ * does not depend on the number of threads. */
+bool range_cut(const RefSet *set, const Range *range, Range *left, Range *right, Error *err);
+
+/* --- bvh_top.c ------------------------------------------------------------------------------- */
+
+/* Ranges from here on are cut by all threads together. */
+#define SPLIT_TOGETHER 65536u
+
+/* Decides and moves to the other array; range->split.axis is SPLIT_HALVES after it when there is
+ * no place to cut, and then nothing was moved. */
+bool range_cut_together(const RefSet *set, Range *range, Box centre[2], Error *err);
 
 /* --- bvh_build.c ----------------------------------------------------------------------------- */
 
-/* Fills node, group, counts and memory of *bvh; `ref` is reordered. */
+/* Fills node, group, counts and memory of *bvh. Takes `ref` over and frees it. */
 bool tree_build(Bvh *bvh, const Primitives *in, Ref *ref, uint32_t count, unsigned threads,
                 Error *err);
 

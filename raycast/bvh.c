@@ -86,7 +86,6 @@ Bvh *bvh_create(const Primitives *primitives, unsigned threads, Error *err)
     bvh->triangle_count = primitives->triangle_count;
     bvh->flat_count = primitives->triangle_count + primitives->shape_count - count;
     const bool good = tree_build(bvh, primitives, ref, count, threads, err);
-    array_free(ref);
     bvh->seconds = seconds_now() - start;
     return good ? bvh : bvh_destroy(bvh);
 }

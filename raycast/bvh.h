@@ -43,8 +43,10 @@ Bvh *bvh_destroy(Bvh *bvh);
 
 typedef struct {
     uint64_t triangles, shapes, nodes, bytes;
-    double   seconds;
+    double   seconds; /* of the build, by the clock */
 } BvhStats;
+
+/* What the tree holds and takes; triangles without area count too. */
 void bvh_stats(const Bvh *bvh, BvhStats *stats);
 
 /* The kernel that walks this tree: "avx512", "avx2", "sse2" or "scalar"; the best the processor

@@ -11,7 +11,8 @@
 #include "raycast/build.h"
 #include "raycast/probe.h"
 
-#define TASK_REFS_MIN 2048u
+#define TASKS_FROM 16384u /* references from which there are tasks at all */
+#define TASK_REFS_MIN 1024u
 #define TASKS_WANTED 64u /* several per thread, so that unequal ones even out */
 #define TREE_ALIGNMENT 64u /* a cache line */
 #define LARGE_PAGE ((uintptr_t)2 << 20)
@@ -41,7 +42,23 @@ typedef struct {
     Task            **task; /* NULL: no tasks are made */
     size_t           *task_count, *task_capacity;
     uint32_t          task_refs; /* ranges up to this many references become tasks */
+    Ref              *scratch;   /* [task_refs] of each worker */
 } Builder;
+
+/* Rays jump all over a large tree: with small pages the way to each place is looked up each time,
+ * and the system hands out memory page by page. Where it has no large pages to give, nothing
+ * changes. */
+static void pages_enlarge(void *memory, size_t bytes)
+{
+#ifdef MADV_HUGEPAGE
+    const uintptr_t from = ((uintptr_t)memory + LARGE_PAGE - 1) / LARGE_PAGE * LARGE_PAGE;
+    const uintptr_t to = ((uintptr_t)memory + bytes) / LARGE_PAGE * LARGE_PAGE;
+    if (from < to)
+        madvise((void *)from, to - from, MADV_HUGEPAGE);
+#else
+    (void)memory, (void)bytes;
+#endif
+}
 
 /* --- leaves ---------------------------------------------------------------------------------- */
 
@@ -63,12 +80,13 @@ static bool leaf_triangles(Builder *b, const Range *r, uint32_t *child, Error *e
     if (!array_reserve((void **)&part->group, &part->group_capacity, part->group_count + groups,
                        sizeof *part->group, "groups of triangles", err))
         return false;
+    const Ref *ref = b->set.ref[r->where] + r->begin;
     for (uint32_t i = 0; i < count; i++) {
         TriangleGroup *group = &part->group[part->group_count + i / GROUP_WIDTH];
         const uint32_t lane = i % GROUP_WIDTH;
         if (lane == 0)
             group_clear(group);
-        const uint32_t primitive = b->set.ref[r->begin + i].primitive;
+        const uint32_t primitive = ref[i].primitive;
         float corner[3][3];
         probe_corners(b->in, primitive, corner);
         for (int c = 0; c < 3; c++)
@@ -83,7 +101,7 @@ static bool leaf_triangles(Builder *b, const Range *r, uint32_t *child, Error *e
 
 static bool leaf_build(Builder *b, const Range *r, uint32_t *child, Error *err)
 {
-    const uint32_t first = b->set.ref[r->begin].primitive;
+    const uint32_t first = b->set.ref[r->where][r->begin].primitive;
     if (first < b->in->triangle_count)
         return leaf_triangles(b, r, child, err);
     assert(r->end - r->begin == 1);
@@ -115,36 +133,37 @@ static bool node_parts(Builder *b, const Range *range, Range part[NODE_WIDTH], u
     return true;
 }
 
-/* How well a child lies in a slot: along its corner's diagonal (internal.h). */
-static float slot_score(Float4 offset, uint32_t slot)
+/* How well children lie in slots: along a slot's diagonal (internal.h). */
+static void slot_scores(const Range *range, const Range *part, uint32_t count,
+                        float score[NODE_WIDTH][NODE_WIDTH])
 {
-    float score = 0;
-    for (uint32_t k = 0; k < 3; k++)
-        score += slot >> k & 1 ? -offset[k] : offset[k];
-    return score;
+    const Float4 middle = box_centre(range->box);
+    for (uint32_t i = 0; i < count; i++) {
+        const Float4 o = box_centre(part[i].box) - middle;
+        for (uint32_t s = 0; s < NODE_WIDTH; s++)
+            score[i][s] = (s & 1 ? -o[0] : o[0]) + (s & 2 ? -o[1] : o[1]) + (s & 4 ? -o[2] : o[2]);
+    }
 }
 
 /* Greedy: the best pair of a child and a free slot first. */
 static void assign_slots(const Range *range, const Range *part, uint32_t count,
                          uint32_t slot_of[NODE_WIDTH])
 {
-    const Float4 middle = box_centre(range->box);
+    float score[NODE_WIDTH][NODE_WIDTH];
     uint32_t taken = 0, placed = 0;
+    slot_scores(range, part, count, score);
     for (uint32_t round = 0; round < count; round++) {
         float best = -INFINITY;
         uint32_t best_part = 0, best_slot = 0;
         for (uint32_t i = 0; i < count; i++) {
             if (placed >> i & 1)
                 continue;
-            const Float4 offset = box_centre(part[i].box) - middle;
-            for (uint32_t s = 0; s < NODE_WIDTH; s++) {
-                const float score = taken >> s & 1 ? -INFINITY : slot_score(offset, s);
-                if (score > best) {
-                    best = score;
+            for (uint32_t s = 0; s < NODE_WIDTH; s++)
+                if (!(taken >> s & 1) && score[i][s] > best) {
+                    best = score[i][s];
                     best_part = i;
                     best_slot = s;
                 }
-            }
         }
         slot_of[best_part] = best_slot;
         placed |= 1u << best_part;
@@ -235,16 +254,62 @@ static bool root_build(Builder *b, const Range *range, Error *err)
 
 /* --- tasks ----------------------------------------------------------------------------------- */
 
+/* A task works in its own stretch of the references and in its worker's scratch. */
 static void task_run(void *context, uint32_t begin, uint32_t end, unsigned worker)
 {
     const Builder *whole = context;
-    (void)worker;
     for (uint32_t i = begin; i < end; i++) {
         Task *task = &(*whole->task)[i];
+        Range *r = &task->range;
         Builder b = { .set = whole->set, .in = whole->in, .part = &task->part };
-        b.set.spare = NULL;
-        child_build(&b, &task->range, &task->root, &task->error);
+        assert(r->where == 0 && r->end - r->begin <= whole->task_refs);
+        b.set.ref[0] = whole->set.ref[0] + r->begin;
+        b.set.ref[1] = whole->scratch + (size_t)worker * whole->task_refs;
+        r->end -= r->begin;
+        r->begin = 0;
+        child_build(&b, r, &task->root, &task->error);
     }
+}
+
+/* References of tasks that lie in the second array go back to the first. */
+static void task_bring(void *context, uint32_t begin, uint32_t end, unsigned worker)
+{
+    const Builder *b = context;
+    (void)worker;
+    for (uint32_t i = begin; i < end; i++) {
+        Range *r = &(*b->task)[i].range;
+        if (r->where == 1)
+            memcpy(b->set.ref[0] + r->begin, b->set.ref[1] + r->begin,
+                   (r->end - r->begin) * sizeof(Ref));
+        r->where = 0;
+    }
+}
+
+static bool refs_reserve(Ref **ref, size_t count, Error *err)
+{
+    size_t capacity = 0;
+    *ref = NULL;
+    if (!array_reserve((void **)ref, &capacity, count, sizeof **ref, "references to primitives",
+                       err))
+        return false;
+    pages_enlarge(*ref, count * sizeof **ref);
+    return true;
+}
+
+static bool tasks_run(Builder *b, Error *err)
+{
+    const uint32_t count = (uint32_t)*b->task_count;
+    const unsigned threads = parallel_threads(b->set.threads);
+    if (count == 0)
+        return true;
+    parallel_for(count, 1, threads, task_bring, b, NULL, NULL);
+    b->set.ref[1] = array_free(b->set.ref[1]);
+    b->set.threads = 0;
+    if (!refs_reserve(&b->scratch, (size_t)threads * b->task_refs, err))
+        return false;
+    parallel_for(count, 1, threads, task_run, b, NULL, NULL);
+    b->scratch = array_free(b->scratch);
+    return true;
 }
 
 static uint32_t child_moved(const Task *task, uint32_t child, uint32_t node_base,
@@ -288,20 +353,6 @@ static void task_move(void *context, uint32_t begin, uint32_t end, unsigned work
         part_move(c->bvh, &c->task[i].part, NULL, c->task[i].node_base, c->task[i].group_base);
 }
 
-/* Rays jump all over a large tree: with small pages the way to each place is looked up each time.
- * Where the system has no large pages to give, nothing changes. */
-static void pages_enlarge(void *memory, size_t bytes)
-{
-#ifdef MADV_HUGEPAGE
-    const uintptr_t from = ((uintptr_t)memory + LARGE_PAGE - 1) / LARGE_PAGE * LARGE_PAGE;
-    const uintptr_t to = ((uintptr_t)memory + bytes) / LARGE_PAGE * LARGE_PAGE;
-    if (from < to)
-        madvise((void *)from, to - from, MADV_HUGEPAGE);
-#else
-    (void)memory, (void)bytes;
-#endif
-}
-
 /* One block: nodes, groups, shapes, from a cache line's start. */
 static bool tree_reserve(Bvh *bvh, const Primitives *in, size_t nodes, size_t groups, Error *err)
 {
@@ -327,7 +378,7 @@ static bool tree_reserve(Bvh *bvh, const Primitives *in, size_t nodes, size_t gr
     return true;
 }
 
-static bool tree_join(Bvh *bvh, Builder *b, Error *err)
+static bool tree_join(Bvh *bvh, Builder *b, unsigned threads, Error *err)
 {
     size_t nodes = b->part->node_count, groups = b->part->group_count;
     for (size_t i = 0; i < *b->task_count; i++) {
@@ -345,8 +396,24 @@ static bool tree_join(Bvh *bvh, Builder *b, Error *err)
         return false;
     part_move(bvh, b->part, *b->task, 0, 0);
     MoveContext c = { .bvh = bvh, .task = *b->task };
-    parallel_for((uint32_t)*b->task_count, 1, b->set.threads, task_move, &c, NULL, NULL);
+    parallel_for((uint32_t)*b->task_count, 1, threads, task_move, &c, NULL, NULL);
     return true;
+}
+
+static bool parts_build(Builder *b, Range *all, uint32_t count, Error *err)
+{
+    Task **tasks = b->task;
+    if (count == 0)
+        return root_build(b, all, err);
+    if (!refs_reserve(&b->set.ref[1], count, err))
+        return false;
+    *all = range_all(&b->set, count);
+    range_decide(&b->set, all);
+    if (b->task_refs == 0)
+        b->task = NULL;
+    const bool good = root_build(b, all, err);
+    b->task = tasks;
+    return good && tasks_run(b, err);
 }
 
 bool tree_build(Bvh *bvh, const Primitives *in, Ref *ref, uint32_t count, unsigned threads,
@@ -356,28 +423,24 @@ bool tree_build(Bvh *bvh, const Primitives *in, Ref *ref, uint32_t count, unsign
     Part top = { 0 };
     Task *task = NULL;
     size_t task_count = 0, task_capacity = 0;
-    Builder b = { .in = in, .part = &top, .task_count = &task_count,
-                  .task_capacity = &task_capacity, .task_refs = count / TASKS_WANTED,
-                  .set = { .ref = ref, .threads = threads,
-                           .triangle_count = in->triangle_count } };
-    if (b.task_refs >= TASK_REFS_MIN) {
-        b.task = &task;
-        b.set.spare = array_create(count, sizeof *b.set.spare, "references to primitives", err);
+    Builder b = { .in = in, .part = &top, .task = &task, .task_count = &task_count,
+                  .task_capacity = &task_capacity,
+                  .set = { .ref = { ref }, .triangle_count = in->triangle_count,
+                           .shapes = in->shape_count > 0 } };
+    if (count >= TASKS_FROM) {
+        b.task_refs = count / TASKS_WANTED > TASK_REFS_MIN ? count / TASKS_WANTED : TASK_REFS_MIN;
+        b.set.threads = parallel_threads(threads);
     }
-    Range all = range_all(&b.set, count);
-    bool good = !error_is_set(err);
-    if (good && count > 0)
-        range_decide(&b.set, &all);
-    good = good && root_build(&b, &all, err);
-    b.set.spare = array_free(b.set.spare);
-    if (good)
-        parallel_for((uint32_t)task_count, 1, threads, task_run, &b, NULL, NULL);
+    Range all = { 0 };
+    bool good = parts_build(&b, &all, count, err);
     for (int k = 0; good && count > 0 && k < 3; k++) {
         bvh->lo[k] = all.box.lo[k];
         bvh->hi[k] = all.box.hi[k];
     }
-    b.task = &task;
-    good = good && tree_join(bvh, &b, err);
+    array_free(b.set.ref[0]);
+    array_free(b.set.ref[1]);
+    array_free(b.scratch);
+    good = good && tree_join(bvh, &b, threads, err);
 
     for (size_t i = 0; i < task_count; i++) {
         array_free(task[i].part.node);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Primitives to references: each one's box in float, never smaller than the thing itself. */
+#include <string.h>
+
 #include "base/array.h"
 #include "raycast/build.h"
 #include "raycast/probe.h"
@@ -30,6 +32,7 @@ static float float_above(double x)
 static bool triangle_ref(const Primitives *in, uint32_t i, Ref *ref, Error *err)
 {
     float corner[3][3];
+    Box box = box_empty();
     for (uint32_t c = 0; c < 3; c++) {
         const uint32_t vertex = in->corner[3 * (size_t)i + c];
         if (vertex >= in->vertex_count)
@@ -44,10 +47,10 @@ static bool triangle_ref(const Primitives *in, uint32_t i, Ref *ref, Error *err)
                              vertex, i, (double)PROBE_COORDINATE_MAX, p.x, p.y, p.z);
     }
     const bool area = probe_corners(in, i, corner);
-    for (int k = 0; k < 3; k++) {
-        ref->lo[k] = fminf(fminf(corner[0][k], corner[1][k]), corner[2][k]);
-        ref->hi[k] = fmaxf(fmaxf(corner[0][k], corner[1][k]), corner[2][k]);
-    }
+    for (int c = 0; c < 3; c++)
+        box = box_point(box, (Float4){ corner[c][0], corner[c][1], corner[c][2], 0 });
+    memcpy(ref->lo, &box.lo, sizeof ref->lo);
+    memcpy(ref->hi, &box.hi, sizeof ref->hi);
     ref->primitive = area ? i : REF_FLAT;
     return true;
 }
