@@ -23,7 +23,11 @@ void classes_clear(Classes *classes)
     array_free(classes->name);
     array_free(classes->factor);
     array_free(classes->escape);
+    array_free(classes->sum);
+    array_free(classes->raw_sum);
+    array_free(classes->raw_escape);
     array_free(classes->area);
+    array_free(classes->error);
     array_free(classes->emissivity);
     *classes = (Classes){ 0 };
 }
@@ -45,19 +49,45 @@ static void number_rows(const Pipeline *pipeline, const Sums *sums, Classes *cla
 static bool allocate(const Pipeline *pipeline, Classes *classes, Error *err)
 {
     const size_t n = classes->count;
-    if (!pipeline_fits(pipeline, (uint64_t)n * n * sizeof(double), "matrix", err))
+    const uint64_t matrices = pipeline->groups != NULL ? 2 : 1;
+    if (!pipeline_fits(pipeline, matrices * n * n * sizeof(double), "matrix", err))
         return false;
     if (n > 0 && n > SIZE_MAX / n)
         return error_set(err, ERROR_MEMORY, "a matrix of %zu rows", n);
     classes->name = array_create(n, sizeof *classes->name, "matrix", err);
     classes->factor = array_create(n * n, sizeof *classes->factor, "matrix", err);
     classes->escape = array_create(n, sizeof *classes->escape, "matrix", err);
+    if (pipeline->groups != NULL)
+        classes->error = array_create(n * n, sizeof *classes->error, "matrix", err);
+    classes->sum = array_create(n, sizeof *classes->sum, "matrix", err);
+    classes->raw_sum = array_create(n, sizeof *classes->raw_sum, "matrix", err);
+    classes->raw_escape = array_create(n, sizeof *classes->raw_escape, "matrix", err);
     classes->area = array_create(n, sizeof *classes->area, "matrix", err);
     classes->emissivity = array_create(n, sizeof *classes->emissivity, "matrix", err);
     return !error_is_set(err);
 }
 
-static void add_links(const Pipeline *pipeline, const Sums *sums, Classes *classes)
+/* Sums of rows: means over the area of each class. */
+static void add_sums(const Links *links, const Sums *sums, LinksScratch *scratch, double *sum,
+                     double *escape)
+{
+    for (uint32_t i = 0; i < links->count; i++) {
+        const LinksRow row = links_row(links, i, scratch);
+        const uint32_t r = sums->row[sums->class_of[i]];
+        if (!(links->area[i] > 0))
+            continue;
+        double all = links->escape[i];
+        for (uint64_t k = 0; k < row.count; k++)
+            all += row.form_factor[k];
+        sum[r] += links->area[i] * all;
+        if (escape != NULL)
+            escape[r] += links->area[i] * links->escape[i];
+        links_leave(links, i, i + 1);
+    }
+}
+
+static void add_links(const Pipeline *pipeline, const Sums *sums, LinksScratch *scratch,
+                      Classes *classes)
 {
     const Links *links = pipeline->links;
     const size_t n = classes->count;
@@ -66,11 +96,13 @@ static void add_links(const Pipeline *pipeline, const Sums *sums, Classes *class
         if (!(area > 0))
             continue;
         const uint32_t r = sums->row[sums->class_of[i]];
-        for (uint64_t k = links->first[i]; k < links->first[i + 1]; k++) {
-            const uint32_t c = sums->row[sums->class_of[links->source[k]]];
+        const LinksRow row = links_row(links, i, scratch);
+        for (uint64_t k = 0; k < row.count; k++) {
+            const uint32_t c = sums->row[sums->class_of[row.source[k]]];
             if (c != PATCH_NONE)
-                classes->factor[r * n + c] += area * links->form_factor[k];
+                classes->factor[r * n + c] += area * row.form_factor[k];
         }
+        links_leave(links, i, i + 1);
         classes->escape[r] += area * links->escape[i];
         classes->area[r] += area;
     }
@@ -80,6 +112,37 @@ static void add_links(const Pipeline *pipeline, const Sums *sums, Classes *class
         classes->escape[r] /= classes->area[r];
         classes->open = classes->open || classes->escape[r] > 0;
     }
+}
+
+static void take_errors(const Pipeline *pipeline, const Sums *sums, Classes *classes)
+{
+    const GroupFactors *groups = pipeline->groups;
+    const size_t n = classes->count;
+    for (uint32_t i = 0; i < groups->count; i++)
+        for (uint32_t j = 0; j < groups->count; j++) {
+            const uint32_t r = sums->row[sums->class_of[i]], c = sums->row[sums->class_of[j]];
+            if (r != PATCH_NONE && c != PATCH_NONE)
+                classes->error[r * n + c] = group_factor_error(groups, i, j);
+        }
+}
+
+static void add_all(const Pipeline *pipeline, const Sums *sums, Classes *classes, Error *err)
+{
+    const Links *raw = pipeline->raw_links != NULL ? pipeline->raw_links : pipeline->links;
+    LinksScratch scratch;
+    if (!links_scratch_create(pipeline->links, &scratch, err))
+        return;
+    add_links(pipeline, sums, &scratch, classes);
+    if (pipeline->groups != NULL)
+        take_errors(pipeline, sums, classes);
+    add_sums(pipeline->links, sums, &scratch, classes->sum, NULL);
+    add_sums(raw, sums, &scratch, classes->raw_sum, classes->raw_escape);
+    for (size_t r = 0; r < classes->count; r++) {
+        classes->sum[r] /= classes->area[r];
+        classes->raw_sum[r] /= classes->area[r];
+        classes->raw_escape[r] /= classes->area[r];
+    }
+    links_scratch_clear(&scratch);
 }
 
 /* Means over the patches of each class. */
@@ -145,7 +208,7 @@ bool classes_sum(const Pipeline *pipeline, FactorsBy by, Classes *classes, Error
             for (uint32_t i = 0; i < sums.all; i++)
                 if (sums.row[i] != PATCH_NONE)
                     classes->name[sums.row[i]] = class_name(pipeline, by, i);
-            add_links(pipeline, &sums, classes);
+            add_all(pipeline, &sums, classes, err);
         }
     }
     array_free(sums.row);

@@ -12,6 +12,9 @@ typedef struct {
     double      *area;       /* [count]  visible, scene units^2 */
     double      *factor;     /* [count * count]  F from row to column */
     double      *escape;     /* [count]  share that meets nothing */
+    double      *sum;        /* [count]  of the row, escape included */
+    double      *raw_sum, *raw_escape; /* [count]  the same of factors as cast */
+    double      *error;      /* [count * count]  standard error of factor; NULL: not known */
     double      *emissivity; /* [count]  1 - reflectance (luminance), mean over the area */
     bool         open;       /* something escapes somewhere */
 } Classes;

@@ -44,6 +44,8 @@ static bool write_matrix(const Options *options, const Classes *classes, const d
         return factors_write_npz(classes, factor, output, err);
     if (output_ends(output, ".vf") || output_ends(output, ".txt"))
         return factors_write_view3d(classes, factor, script, output, err);
+    if (output_ends(output, ".mtx"))
+        return factors_write_class_mtx(classes, factor, output, err);
     return factors_write_csv(classes, (FactorsBy)options->by, factor, output, err);
 }
 
@@ -102,6 +104,14 @@ static bool write_by_class(Pipeline *pipeline, const char *output, Error *err)
         good = write_flux(options, &problem, &classes, output, err);
     else if (good)
         good = write_exchange(options, &problem, &classes, output, err);
+    if (good && options->rows != NULL)
+        good = factors_write_class_rows(&classes, (FactorsBy)options->by, options->rows, err);
+    if (good && options->errors != NULL)
+        good = classes.error != NULL
+                   ? factors_write_csv(&classes, (FactorsBy)options->by, classes.error,
+                                       options->errors, err)
+                   : error_set(err, ERROR_USAGE, "standard errors are not known of factors that "
+                               "were summed from patches (--patches, --factors ...)");
     classes_clear(&classes);
     if (good)
         session_say(session, "isolux: %s -> %s", options->scene, output);
@@ -112,6 +122,9 @@ static bool options_fit(const Options *options, const char *output, Error *err)
 {
     if (options->by == BY_PATCH && strcmp(output, "-") == 0)
         return error_set(err, ERROR_USAGE, "--by patch writes two files; -o needs a name");
+    if (options->by == BY_PATCH && (options->rows != NULL || options->errors != NULL))
+        return error_set(err, ERROR_USAGE, "--rows and --errors are of groups or materials; --by "
+                         "patch writes row sums beside the matrix");
     if (options->by == BY_PATCH && options->exchange != EXCHANGE_NONE)
         return error_set(err, ERROR_USAGE, "--exchange is between groups or materials");
     if (options->exchange != EXCHANGE_FLUX && options->temperature != NULL)
@@ -126,6 +139,8 @@ bool cmd_factors(Pipeline *pipeline, int *exit_code, Error *err)
     Session *session = pipeline->session;
     const Options *options = &session->options;
     const char *output = options->output != NULL ? options->output : "-";
+    if (options->points != NULL)
+        return factors_of_points(pipeline, output, err);
     if (!options_fit(options, output, err) || !pipeline_read(pipeline, err) ||
         !pipeline_mesh(pipeline, err) || !pipeline_patches(pipeline, err) ||
         !pipeline_factors(pipeline, err))

@@ -2,34 +2,63 @@
 /* Form factors as text: CSV and View3D's form by group or material; Matrix Market by patch. */
 #include <assert.h>
 #include <inttypes.h>
+#include <math.h>
 #include <string.h>
 
 #include "app/classes.h"
 #include "app/commands.h"
 #include "app/csv.h"
+#include "app/digits.h"
 #include "app/factors_files.h"
 #include "app/place.h"
 #include "base/array.h"
 #include "base/file.h"
 
-static void put_rows(FILE *out, FactorsBy by, const Classes *classes, const double *factor)
+/* The whole buffer is too large for a thread's stack with small limits. */
+static Digits *digits_open(OutFile *file, Error *err)
+{
+    Digits *digits = array_create(1, sizeof *digits, "a matrix as text", err);
+    if (digits != NULL)
+        digits->out = outfile_stream(file);
+    return digits;
+}
+
+static bool digits_close(Digits *digits, OutFile *file, Error *err)
+{
+    if (digits == NULL) {
+        outfile_discard(file);
+        return false;
+    }
+    digits_flush(digits);
+    array_free(digits);
+    return outfile_commit(file, err);
+}
+
+static void put_rows(Digits *d, FactorsBy by, const Classes *classes, const double *factor)
 {
     const size_t n = classes->count;
     const bool open = classes->open && factor == classes->factor;
-    fputs(by == BY_GROUP ? "group,area" : "material,area", out);
+    assert(factor != NULL);
+    fputs(by == BY_GROUP ? "group,area" : "material,area", d->out);
     for (size_t j = 0; j < n; j++) {
-        fputc(',', out);
-        csv_text(out, classes->name[j]);
+        fputc(',', d->out);
+        csv_text(d->out, classes->name[j]);
     }
-    fputs(open ? ",escaped\n" : "\n", out);
+    fputs(open ? ",escaped\n" : "\n", d->out);
     for (size_t i = 0; i < n; i++) {
-        csv_text(out, classes->name[i]);
-        fprintf(out, ",%.9g", classes->area[i]);
-        for (size_t j = 0; j < n; j++)
-            fprintf(out, ",%.9g", factor[i * n + j]);
-        if (open)
-            fprintf(out, ",%.9g", classes->escape[i]);
-        fputc('\n', out);
+        csv_text(d->out, classes->name[i]);
+        digits_letter(d, ',');
+        digits_number(d, classes->area[i]);
+        for (size_t j = 0; j < n; j++) {
+            digits_letter(d, ',');
+            digits_number(d, factor[i * n + j]);
+        }
+        if (open) {
+            digits_letter(d, ',');
+            digits_number(d, classes->escape[i]);
+        }
+        digits_letter(d, '\n');
+        digits_flush(d);
     }
 }
 
@@ -40,8 +69,64 @@ bool factors_write_csv(const Classes *classes, FactorsBy by, const double *facto
     OutFile *out = outfile_open(path, err);
     if (out == NULL)
         return false;
-    put_rows(outfile_stream(out), by, classes, factor);
-    return outfile_commit(out, err);
+    Digits *digits = digits_open(out, err);
+    if (digits != NULL)
+        put_rows(digits, by, classes, factor);
+    return digits_close(digits, out, err);
+}
+
+bool factors_write_class_mtx(const Classes *classes, const double *factor, const char *path,
+                             Error *err)
+{
+    OutFile *file = outfile_open(path, err);
+    if (file == NULL)
+        return false;
+    const size_t n = classes->count;
+    uint64_t nonzeros = 0;
+    Digits *d = digits_open(file, err);
+    for (size_t k = 0; k < n * n; k++)
+        nonzeros += factor[k] != 0;
+    fputs("%%MatrixMarket matrix coordinate real general\n% row, name, area, escaped\n",
+          outfile_stream(file));
+    for (size_t i = 0; i < n; i++) {
+        fprintf(outfile_stream(file), "%% %zu,", i + 1);
+        csv_text(outfile_stream(file), classes->name[i]);
+        fprintf(outfile_stream(file), ",%.9g,%.9g\n", classes->area[i], classes->escape[i]);
+    }
+    fprintf(outfile_stream(file), "%zu %zu %" PRIu64 "\n", n, n, nonzeros);
+    for (size_t k = 0; d != NULL && k < n * n; k++)
+        if (factor[k] != 0) {
+            digits_count(d, k / n + 1);
+            digits_letter(d, ' ');
+            digits_count(d, k % n + 1);
+            digits_letter(d, ' ');
+            digits_number(d, factor[k]);
+            digits_letter(d, '\n');
+        }
+    return digits_close(d, file, err);
+}
+
+bool factors_write_class_rows(const Classes *classes, FactorsBy by, const char *path, Error *err)
+{
+    OutFile *file = outfile_open(path, err);
+    if (file == NULL)
+        return false;
+    FILE *out = outfile_stream(file);
+    fprintf(out, "%s,area,row_sum,escaped,raw_row_sum,raw_escaped%s\n",
+            by == BY_GROUP ? "group" : "material",
+            classes->error != NULL ? ",standard_error" : "");
+    for (size_t i = 0; i < classes->count; i++) {
+        csv_text(out, classes->name[i]);
+        fprintf(out, ",%.9g,%.9g,%.9g,%.9g,%.9g", classes->area[i], classes->sum[i],
+                classes->escape[i], classes->raw_sum[i], classes->raw_escape[i]);
+        double worst = 0;
+        for (size_t j = 0; classes->error != NULL && j < classes->count; j++)
+            worst = fmax(worst, classes->error[i * classes->count + j]);
+        if (classes->error != NULL)
+            fprintf(out, ",%.3g", worst);
+        fputc('\n', out);
+    }
+    return outfile_commit(file, err);
 }
 
 /* View3D's form: a line of what it is, areas, the matrix, emissivities. Its columns know no
@@ -59,15 +144,17 @@ bool factors_write_view3d(const Classes *classes, const double *factor, bool scr
     for (size_t i = 0; i < n; i++)
         fprintf(out, "%s%.9g", i > 0 ? " " : "", classes->area[i]);
     fputc('\n', out);
-    for (size_t i = 0; i < n; i++) {
-        for (size_t j = 0; j < n; j++)
-            fprintf(out, "%s%.8f", j > 0 ? " " : "", factor[i * n + j]);
-        fputc('\n', out);
+    Digits *d = digits_open(file, err);
+    for (size_t k = 0; d != NULL && k < n * n; k++) {
+        digits_number(d, factor[k]);
+        digits_letter(d, (k + 1) % n == 0 ? '\n' : ' ');
     }
+    if (d != NULL)
+        digits_flush(d);
     for (size_t i = 0; i < n; i++)
         fprintf(out, "%s%.6g", i > 0 ? " " : "", classes->emissivity[i]);
     fputc('\n', out);
-    return outfile_commit(file, err);
+    return digits_close(d, file, err);
 }
 
 bool factors_write_flux(const Classes *classes, const double *temperature, const double *flux,
@@ -93,16 +180,38 @@ static bool write_matrix(const Links *links, const char *path, Error *err)
     OutFile *file = outfile_open(path, err);
     if (file == NULL)
         return false;
-    FILE *out = outfile_stream(file);
-    fprintf(out, "%%%%MatrixMarket matrix coordinate real general\n"
-                 "%% form factor from the row's patch to the column's; patches count from 1\n"
-                 "%" PRIu32 " %" PRIu32 " %" PRIu64 "\n",
+    fprintf(outfile_stream(file), "%%%%MatrixMarket matrix coordinate real general\n"
+            "%% form factor from the row's patch to the column's; patches count from 1\n"
+            "%" PRIu32 " %" PRIu32 " %" PRIu64 "\n",
             links->count, links->count, links->first[links->count]);
-    for (uint32_t i = 0; i < links->count; i++)
-        for (uint64_t k = links->first[i]; k < links->first[i + 1]; k++)
-            fprintf(out, "%" PRIu32 " %" PRIu32 " %.9g\n", i + 1, links->source[k] + 1,
-                    (double)links->form_factor[k]);
-    return outfile_commit(file, err);
+    LinksScratch scratch = { NULL, NULL };
+    Digits *d = digits_open(file, err);
+    const bool good = links_scratch_create(links, &scratch, err);
+    for (uint32_t i = 0; good && d != NULL && i < links->count; i++) {
+        const LinksRow row = links_row(links, i, &scratch);
+        for (uint64_t k = 0; k < row.count; k++) {
+            digits_count(d, (uint64_t)i + 1);
+            digits_letter(d, ' ');
+            digits_count(d, (uint64_t)row.source[k] + 1);
+            digits_letter(d, ' ');
+            digits_number(d, row.form_factor[k]);
+            digits_letter(d, '\n');
+        }
+        links_leave(links, i, i + 1);
+    }
+    links_scratch_clear(&scratch);
+    return digits_close(d, file, err) && good;
+}
+
+/* The sum of a row, what escapes included. */
+static double row_sum(const Links *links, uint32_t i, LinksScratch *scratch)
+{
+    const LinksRow row = links_row(links, i, scratch);
+    double sum = links->escape[i];
+    for (uint64_t k = 0; k < row.count; k++)
+        sum += row.form_factor[k];
+    links_leave(links, i, i + 1);
+    return sum;
 }
 
 static bool write_patch_table(const Pipeline *pipeline, const char *path, Error *err)
@@ -114,7 +223,14 @@ static bool write_patch_table(const Pipeline *pipeline, const char *path, Error 
     if (file == NULL)
         return false;
     FILE *out = outfile_stream(file);
-    fputs("patch,group,material,surface,side,area,visible_area,x,y,z,nx,ny,nz,escaped\n", out);
+    const Links *raw = pipeline->raw_links != NULL ? pipeline->raw_links : links;
+    LinksScratch scratch;
+    if (!links_scratch_create(links, &scratch, err)) {
+        outfile_discard(file);
+        return false;
+    }
+    fputs("patch,group,material,surface,side,area,visible_area,x,y,z,nx,ny,nz,escaped,"
+          "row_sum,raw_row_sum,raw_escaped\n", out);
     for (uint32_t i = 0; i < p->count; i++) {
         char centre[PLACE_TEXT];
         fprintf(out, "%" PRIu32 ",", i + 1);
@@ -122,10 +238,12 @@ static bool write_patch_table(const Pipeline *pipeline, const char *path, Error 
         fputc(',', out);
         csv_text(out, soup->materials[p->material[i]].name);
         place_text(pipeline->scene, p->centre[i], 9, centre);
-        fprintf(out, ",%" PRIu32 ",%s,%.9g,%.9g,%s,%.9g,%.9g,%.9g,%.9g\n", p->surface[i],
-                p->side[i] == 0 ? "front" : "back", p->area[i], links->area[i], centre,
-                p->normal[i].x, p->normal[i].y, p->normal[i].z, (double)links->escape[i]);
+        fprintf(out, ",%" PRIu32 ",%s,%.9g,%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n",
+                p->surface[i], p->side[i] == 0 ? "front" : "back", p->area[i], links->area[i], centre,
+                p->normal[i].x, p->normal[i].y, p->normal[i].z, (double)links->escape[i],
+                row_sum(links, i, &scratch), row_sum(raw, i, &scratch), (double)raw->escape[i]);
     }
+    links_scratch_clear(&scratch);
     return outfile_commit(file, err);
 }
 

@@ -8,6 +8,11 @@
 /* factor is classes->factor, or exchange factors of the same size. */
 bool factors_write_csv(const Classes *classes, FactorsBy by, const double *factor,
                        const char *path, Error *err);
+/* Matrix Market, entries that are not 0; names, areas and escaped shares in its comments. */
+bool factors_write_class_mtx(const Classes *classes, const double *factor, const char *path,
+                             Error *err);
+/* What rows sum to, as used and as cast, and what escapes: CSV. */
+bool factors_write_class_rows(const Classes *classes, FactorsBy by, const char *path, Error *err);
 /* script: they are exchange factors (script-F). */
 bool factors_write_view3d(const Classes *classes, const double *factor, bool script,
                           const char *path, Error *err);
@@ -23,5 +28,9 @@ bool factors_write_patches_npz(const Pipeline *pipeline, const char *path, Error
 /* Net flux per group: group, area, emissivity, temperature, flux, power. */
 bool factors_write_flux(const Classes *classes, const double *temperature, const double *flux,
                         const char *path, Error *err);
+
+/* factors --points: reads the points, casts, writes the CSV: x,y,z,nx,ny,nz, a column for each
+ * group, escaped, unused (sides that take no part), standard_error (the largest of the row). */
+bool factors_of_points(Pipeline *pipeline, const char *output, Error *err);
 
 #endif

@@ -8,6 +8,27 @@
 #include "app/npz.h"
 #include "base/array.h"
 
+/* Larger matrices are written in single precision, half as long to write. */
+enum { DOUBLE_MOST = 4096 };
+
+typedef struct {
+    const double *factor;
+} FloatStream;
+
+/* Doubles as 32-bit floats, from any byte on. */
+static void read_floats(void *context, uint64_t at, void *buffer, size_t size)
+{
+    const double *factor = ((const FloatStream *)context)->factor;
+    char *to = buffer;
+    for (size_t done = 0; done < size;) {
+        const float value = (float)factor[(at + done) / sizeof value];
+        const size_t into = (at + done) % sizeof value, left = sizeof value - into;
+        const size_t take = left < size - done ? left : size - done;
+        memcpy(to + done, (const char *)&value + into, take);
+        done += take;
+    }
+}
+
 bool factors_write_npz(const Classes *classes, const double *factor, const char *path,
                        Error *err)
 {
@@ -15,9 +36,18 @@ bool factors_write_npz(const Classes *classes, const double *factor, const char 
     Npz *npz = npz_open(path, err);
     if (npz == NULL)
         return false;
-    const bool added = npz_add(npz, "F", "<f8", n, n, factor, err) &&
+    FloatStream stream = { factor };
+    const bool matrix = n <= DOUBLE_MOST
+                            ? npz_add(npz, "F", "<f8", n, n, factor, err)
+                            : npz_add_stream(npz, "F", "<f4", n, n, read_floats, &stream, err);
+    const bool added = matrix &&
+                       (classes->error == NULL || n > DOUBLE_MOST ||
+                        npz_add(npz, "standard_error", "<f8", n, n, classes->error, err)) &&
                        npz_add(npz, "area", "<f8", n, 0, classes->area, err) &&
                        npz_add(npz, "escaped", "<f8", n, 0, classes->escape, err) &&
+                       npz_add(npz, "row_sum", "<f8", n, 0, classes->sum, err) &&
+                       npz_add(npz, "raw_row_sum", "<f8", n, 0, classes->raw_sum, err) &&
+                       npz_add(npz, "raw_escaped", "<f8", n, 0, classes->raw_escape, err) &&
                        npz_add(npz, "emissivity", "<f8", n, 0, classes->emissivity, err) &&
                        npz_add_words(npz, "names", classes->name, n, err);
     return npz_commit(npz, err) && added; /* after a failure it writes nothing */
@@ -102,8 +132,8 @@ static bool add_matrix(Npz *npz, const Links *links, RowStream stream[2], Error 
         if (!links_scratch_create(links, &stream[k].scratch, err))
             return false;
     }
-    return npz_add_stream(npz, "data", "<f4", nonzeros, read_rows, &stream[0], err) &&
-           npz_add_stream(npz, "indices", "<i4", nonzeros, read_rows, &stream[1], err) &&
+    return npz_add_stream(npz, "data", "<f4", nonzeros, 0, read_rows, &stream[0], err) &&
+           npz_add_stream(npz, "indices", "<i4", nonzeros, 0, read_rows, &stream[1], err) &&
            npz_give(npz, "indptr", "<i8", (size_t)links->count + 1, 0, row_pointers(links, err),
                     err);
 }

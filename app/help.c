@@ -32,7 +32,8 @@ static const CommandHelp command_help[] = {
       "  isolux factors oven.obj -o F.csv          one row and column per group\n"
       "  isolux factors oven.obj --by material     to standard output\n"
       "  isolux factors oven.obj --by patch -o F   F.mtx (Matrix Market), F.csv (patches)\n"
-      "  isolux factors oven.obj --closure none --rays 4096 -o F.csv\n",
+      "  isolux factors oven.obj --closure none --rays 4096 -o F.csv\n"
+      "  isolux factors oven.obj --points p.csv    what points see of each group\n",
       "A row holds F from its group to each column's; with `escaped` it sums to 1. In a scene\n"
       "without lamp and camera only front sides take part; --sides both adds the backs.\n" },
     { COMMAND_MEASURE, "SCENE --points FILE [-o FILE.csv]", "illuminance at points, CSV",

@@ -168,14 +168,14 @@ bool npz_add(Npz *npz, const char *name, const char *type, size_t rows, size_t c
     return add_entry(npz, name, err);
 }
 
-bool npz_add_stream(Npz *npz, const char *name, const char *type, size_t rows, NpzRead read,
-                    void *context, Error *err)
+bool npz_add_stream(Npz *npz, const char *name, const char *type, size_t rows, size_t columns,
+                    NpzRead read, void *context, Error *err)
 {
     assert(npz != NULL && npz->count < ARRAYS_MOST && read != NULL);
     NpzArray *a = &npz->array[npz->count];
     *a = (NpzArray){ .read = read, .context = context };
-    make_header(a, type, rows, 0);
-    a->size = element_size(type) * rows;
+    make_header(a, type, rows, columns);
+    a->size = element_size(type) * rows * (columns > 0 ? columns : 1);
     return add_entry(npz, name, err);
 }
 

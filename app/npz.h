@@ -20,11 +20,11 @@ Npz *npz_open(const char *path, Error *err);
  * C order. type: NumPy's, as "<f8". The data are not copied: they must stay until npz_commit. */
 bool npz_add(Npz *npz, const char *name, const char *type, size_t rows, size_t columns,
              const void *data, Error *err);
-/* The same from a stream: `read` is asked for the bytes of the data in order, from `at` = 0 on (more
- * than once, maybe), and must keep `context` until npz_commit. */
+/* The same from a stream: `read` is asked for the bytes of the data in order, from `at` = 0 on
+ * (more than once, maybe); `context` must stay until npz_commit. */
 typedef void (*NpzRead)(void *context, uint64_t at, void *buffer, size_t size);
-bool npz_add_stream(Npz *npz, const char *name, const char *type, size_t rows, NpzRead read,
-                    void *context, Error *err);
+bool npz_add_stream(Npz *npz, const char *name, const char *type, size_t rows, size_t columns,
+                    NpzRead read, void *context, Error *err);
 /* npz_add, and frees the data (of array_create) in the end, also when it fails; NULL is allowed:
  * false. */
 bool npz_give(Npz *npz, const char *name, const char *type, size_t rows, size_t columns,

@@ -91,6 +91,8 @@ typedef enum {
     OPTION_FOV,
     OPTION_DIFFUSE,
     OPTION_BY,
+    OPTION_ROWS,
+    OPTION_ERRORS,
     OPTION_EXCHANGE,
     OPTION_EMISSIVITY,
     OPTION_TEMPERATURE,
@@ -117,6 +119,8 @@ typedef struct Options {
     const char *output, *json, *camera, *points, *filter, *trace, *emissivity, *temperature;
     const char *resume;
     const char *factors;     /* file of factors as cast */
+    const char *rows;        /* file of what rows sum to */
+    const char *errors;      /* file of standard errors */
     int         quality, progress, closure, storage, solver, by, exchange, emit, sides, units;
     int         light;
     bool        print_config, diffuse, help, adapt, no_adapt, constant;

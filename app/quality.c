@@ -47,7 +47,8 @@ Settings quality_settings(const Options *options)
 {
     assert(options->quality >= QUALITY_DRAFT && options->quality <= QUALITY_FINAL);
     const Level *level = &levels[options->quality];
-    const bool points = options->command == COMMAND_MEASURE;
+    const bool points = options->command == COMMAND_MEASURE ||
+                        options->command == COMMAND_FACTORS;
     Settings s = { .patches = level->patches, .rays = level->rays, .lamp_rays = level->lamp_rays,
                    .closure = (Closure)options->closure, .solver = (Solver)options->solver,
                    .tolerance = level->tolerance, .max_iterations = options->max_iterations,

@@ -363,7 +363,8 @@ static void print_enforced(const Pipeline *pipeline)
                     "           closure took %.2f s and changed factors by %.2g at most",
                     pipeline->closure_seconds, pipeline->change.largest);
     if (pipeline->links->packed != NULL)
-        session_say(pipeline->session, "           in 16 bits, rounded by %.2g of themselves at most",
+        session_say(pipeline->session,
+                    "           in 16 bits, rounded by %.2g of themselves at most",
                     pipeline->rounding);
 }
 

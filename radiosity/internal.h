@@ -86,7 +86,8 @@ typedef struct {
 /* Seeds of what is sampled here differ by these, so that no two use the same points. */
 enum { SEED_ROWS = 0x726f7773, SEED_LAMPS = 0x6c616d70, SEED_LIGHTS = 0x6c697465,
        SEED_SIDES = 0x73696465, SEED_PARTS = 0x70617274, SEED_ADAPT = 0x61647074,
-       SEED_GROUPS = 0x67727073 };
+       SEED_GROUPS = 0x67727073,
+       SEED_POINTS = 0x706f696e };
 
 /* Stands for a patch in seeds: where it lies, not its number, so that a patch keeps its rays when
  * others are divided. */

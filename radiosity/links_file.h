@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* radiosity/links_file.h -- links kept in a file, so that a change of light casts no ray.
  *
- * The file names what it was made from by a key (links_key) and ends with a checksum over all of it; one that is cut, changed or made from
- * something else is refused.
+ * The file names what it was made from by a key (links_key) and ends with a checksum over all of
+ * it; one that is cut, changed or made from something else is refused.
  * Format   the machine's own order of bytes, 8-byte aligned: the magic "isoluxF1", key, counts,
  *          then the arrays of Links as they are; values are 32-bit floats, kept bit for bit.
  */

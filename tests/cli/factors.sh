@@ -27,6 +27,70 @@ ok "View3D's rows" awk 'NR == 2 { if (NF != 8 || $1 != 9) exit 1 }
 ok "by patch as npz" exits 0 factors "$room" --by patch -o "$DIR/p.npz" "${fast[@]}"
 ok "npz is an archive of arrays" unzip_lists "$DIR/p.npz" data.npy indices.npy indptr.npy
 
+ok "by group as mtx" exits 0 factors "$room" -o "$DIR/f.mtx" "${fast[@]}"
+ok "mtx: the numbers of the CSV" awk 'FNR == 1 { file++ }
+    file == 1 && FNR > 1 { split($0, v, ","); for (j = 1; j <= 8; j++) f[FNR - 1, j] = v[j + 2] }
+    file == 2 && !/^%/ && NF == 3 && seen++ { n++; if (f[$1, $2] != $3) exit 1 }
+    END { if (n < 30) exit 1 }' "$DIR/f.csv" "$DIR/f.mtx"
+
+# --- rows and errors -----------------------------------------------------------------------------
+
+ok "rows" exits 0 factors "$room" -o "$DIR/f.csv" --rows "$DIR/rows.csv" --errors "$DIR/e.csv" \
+    --quality draft --progress none
+ok "eight rows that sum to 1" awk -F, 'NR == 1 && $0 != \
+    "group,area,row_sum,escaped,raw_row_sum,raw_escaped,standard_error" { exit 1 }
+    NR > 1 && ($3 < 0.999999 || $3 > 1.000001 || $4 != 0 || $5 < 0.99 || $5 > 1.01) { exit 1 }
+    END { if (NR != 9) exit 1 }' "$DIR/rows.csv"
+ok "errors as a matrix" awk -F, 'NR > 1 { for (i = 3; i <= 10; i++) if ($i < 0 || $i > 1e-2) exit 1 }
+    END { if (NR != 9) exit 1 }' "$DIR/e.csv"
+ok "no errors of summed patches" fails 2 'not known' factors "$room" -o "$DIR/f.csv" \
+    --errors "$DIR/e.csv" "${fast[@]}"
+ok "rows of patches" fails 2 'beside the matrix' factors "$room" --by patch --rows "$DIR/r.csv" \
+    -o "$DIR/x" "${fast[@]}"
+ok "by patch" exits 0 factors "$room" --by patch -o "$DIR/p.mtx" "${fast[@]}"
+ok "row sums of patches" awk -F, 'NR > 1 && ($(NF - 2) < 0.999999 || $(NF - 2) > 1.000001) { exit 1 }
+    END { if (NR < 100) exit 1 }' "$DIR/p.csv"
+
+# --- points --------------------------------------------------------------------------------------
+
+# From the middle of a wall of the unit cube to the wall opposite: 4 times the corner formula.
+cat >"$DIR/cube.vs3" <<'CUBE'
+T unit cube
+F 3
+V 1 0 0 0
+V 2 1 0 0
+V 3 1 1 0
+V 4 0 1 0
+V 5 0 0 1
+V 6 1 0 1
+V 7 1 1 1
+V 8 0 1 1
+S 1 1 2 3 4 0 0 0.9 floor
+S 2 8 7 6 5 0 0 0.9 ceiling
+S 3 1 5 6 2 0 0 0.9 wall1
+S 4 2 6 7 3 0 3 0.9 wall2
+S 5 3 7 8 4 0 3 0.9 wall3
+S 6 4 8 5 1 0 3 0.9 wall4
+E
+CUBE
+printf '0.5,0.5,0,0,0,2\n0.25 0.5 0.5 1 0 0\n' >"$DIR/points.csv"
+ok "factors of points" exits 0 factors "$DIR/cube.vs3" --points "$DIR/points.csv" \
+    --gather-rays 65536 -o "$DIR/q.csv" --progress none
+ok "their columns" grep -qx 'x,y,z,nx,ny,nz,floor,ceiling,wall1,escaped,unused,standard_error' \
+    "$DIR/q.csv"
+ok "floor to ceiling by the corner formula" awk -F, 'NR == 2 { pi = atan2(0, -1); x = 0.5
+    f = 4 / pi * x / sqrt(1 + x * x) * atan2(x, sqrt(1 + x * x)); d = $8 - f
+    if ($7 != 0 || d > 4 * $12 || d < -4 * $12 || $12 > 1e-3) exit 1
+    s = $7 + $8 + $9 + $10 + $11; if (s < 0.999999 || s > 1.000001) exit 1 }
+    END { if (NR != 3) exit 1 }' "$DIR/q.csv"
+ok "the same with one thread" exits 0 factors "$DIR/cube.vs3" --points "$DIR/points.csv" \
+    --gather-rays 65536 -o "$DIR/r.csv" --progress none --threads 1
+ok "byte for byte" cmp "$DIR/q.csv" "$DIR/r.csv"
+ok "points and a matrix" fails 2 'no other matrix' factors "$room" --points "$DIR/points.csv" \
+    --by patch -o "$DIR/x"
+
+# --- heat ----------------------------------------------------------------------------------------
+
 # All walls at 293.15 K but the third, 10 K colder: the listed net fluxes, to what 256 rays leave.
 ok "net flux" exits 0 factors "$room" --exchange flux --temperature srf-3=283.15 -o "$DIR/q.csv" \
     "${fast[@]}" --rays 4096
