@@ -31,8 +31,9 @@ bool validation_run(const Validation *validation, Scene *scene, const CaseSetup 
     if (scene == NULL || error_is_set(err))
         return false;
     assert(scene_check(scene));
-    return pipeline_mesh(pipeline, err) && pipeline_patches(pipeline, err) &&
-           pipeline_factors(pipeline, err) &&
+    if (!pipeline_mesh(pipeline, err) || !pipeline_patches(pipeline, err) || setup->patches_only)
+        return !error_is_set(err);
+    return pipeline_factors(pipeline, err) &&
            (setup->command == COMMAND_FACTORS || pipeline_solve(pipeline, err));
 }
 
@@ -42,13 +43,16 @@ void validation_end(Session *session, Pipeline *pipeline)
     session_clear(session);
 }
 
+/* Errors below this are rounding, of which no multiple says anything. */
+static const double SIGMA_LEAST = 1e-9;
+
 static void print_check(FILE *out, const Check *check)
 {
     const double off = check->value - check->expected;
     char percent[24] = "-", sigmas[24] = "-";
     if (check->expected != 0)
         snprintf(percent, sizeof percent, "%+.3f %%", 100 * off / check->expected);
-    if (check->standard_error > 0)
+    if (check->standard_error > SIGMA_LEAST * fabs(check->expected))
         snprintf(sigmas, sizeof sigmas, "%+.1f se", off / check->standard_error);
     fprintf(out, "%-24s %-26s %12.7g %12.7g %+10.2e %10s %9s  %s\n", check->name,
             check->quantity, check->expected, check->value, off, percent, sigmas,
@@ -86,6 +90,23 @@ double validation_mean(const Pipeline *pipeline, const double *value, const char
             area += pipeline->links->area[i];
         }
     return sum / area;
+}
+
+bool validation_means(Validation *validation, Scene *scene, const MeanSetup *means,
+                      const WallMean *walls, size_t count, Error *err)
+{
+    const CaseSetup setup = { .command = COMMAND_SOLVE, .closure = CLOSURE_BOTH,
+                              .patches = means->patches, .rays = means->rays };
+    Session session;
+    Pipeline pipeline;
+    if (validation_run(validation, scene, &setup, &session, &pipeline, err))
+        for (size_t i = 0; i < count; i++)
+            validation_check(validation, walls[i].quantity, walls[i].radiosity,
+                             validation_mean(&pipeline, pipeline.solution->radiosity,
+                                             walls[i].group, walls[i].side),
+                             means->tolerance, NAN, err);
+    validation_end(&session, &pipeline);
+    return !error_is_set(err);
 }
 
 double validation_measure(const Pipeline *pipeline, Vec3 point, Vec3 normal, double *error,
@@ -163,7 +184,8 @@ bool cmd_validate(Pipeline *pipeline, int *exit_code, Error *err)
     Error json_error = { 0 };
     typedef const Case *(*CaseList)(size_t *count);
     static const CaseList lists[] = { validate_factor_cases, validate_closed_cases,
-                                      validate_light_cases, validate_room_cases };
+                                      validate_light_cases, validate_plate_cases,
+                                      validate_room_cases };
     session->told = true;
     fprintf(v.out, "%-24s %-26s %12s %12s %10s %10s %9s  %s\n", "case", "quantity", "expected",
             "value", "deviation", "per cent", "sigma", "verdict");

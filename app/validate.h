@@ -33,6 +33,7 @@ typedef struct {
     uint32_t patches, rays;
     const Vec3 *point, *normal; /* [points]  measured later */
     size_t   points;
+    bool     patches_only;  /* stop when there are patches */
 } CaseSetup;
 
 typedef bool (*CaseRun)(Validation *validation, Error *err);
@@ -47,9 +48,10 @@ const Case *validate_factor_cases(size_t *count);
 const Case *validate_closed_cases(size_t *count);
 const Case *validate_light_cases(size_t *count);
 const Case *validate_room_cases(size_t *count);
+const Case *validate_plate_cases(size_t *count);
 
-/* A pipeline over a scene made by code, which it takes; solved unless the command is FACTORS. The
- * session is filled for it, silent. Clear both in any case with validation_end. */
+/* A pipeline over a scene made by code, which it takes; solved unless the command is FACTORS or
+ * only patches are wanted. The session is filled for it, silent. Clear both in any case with validation_end. */
 bool validation_run(const Validation *validation, Scene *scene, const CaseSetup *setup,
                     Session *session, Pipeline *pipeline, Error *err);
 void validation_end(Session *session, Pipeline *pipeline);
@@ -62,6 +64,22 @@ void validation_check(Validation *validation, const char *quantity, double expec
 enum { FRONT_SIDE, BACK_SIDE, ANY_SIDE };
 double validation_mean(const Pipeline *pipeline, const double *value, const char *group,
                        unsigned side);
+
+/* A mean that is known: radiosity of one side of a group. */
+typedef struct {
+    const char *quantity, *group;
+    unsigned    side;
+    double      radiosity;
+} WallMean;
+
+typedef struct {
+    uint32_t patches, rays;
+    double   tolerance; /* absolute */
+} MeanSetup;
+
+/* Solves the scene, which it takes, with closure of rows and pairs, and checks means. */
+bool validation_means(Validation *validation, Scene *scene, const MeanSetup *setup,
+                      const WallMean *walls, size_t count, Error *err);
 /* Irradiance at a point, luminance, and its standard error. */
 double validation_measure(const Pipeline *pipeline, Vec3 point, Vec3 normal, double *error,
                           Error *err);

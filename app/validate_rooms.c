@@ -12,27 +12,11 @@ enum { PATCHES = 6000, RAYS = 2048 };
 /* What a fine mesh is asked for, absolute at an exitance of 1. */
 static const double FINE_MESH = 2e-4;
 
-typedef struct {
-    const char *quantity, *group;
-    unsigned    side;
-    double      radiosity;
-} WallMean;
-
 static bool check_means(Validation *validation, Scene *scene, const WallMean *walls, size_t count,
                         Error *err)
 {
-    const CaseSetup setup = { .command = COMMAND_SOLVE, .closure = CLOSURE_BOTH,
-                              .patches = PATCHES, .rays = RAYS };
-    Session session;
-    Pipeline pipeline;
-    if (validation_run(validation, scene, &setup, &session, &pipeline, err))
-        for (size_t i = 0; i < count; i++)
-            validation_check(validation, walls[i].quantity, walls[i].radiosity,
-                             validation_mean(&pipeline, pipeline.solution->radiosity,
-                                             walls[i].group, walls[i].side),
-                             FINE_MESH, NAN, err);
-    validation_end(&session, &pipeline);
-    return !error_is_set(err);
+    return validation_means(validation, scene, &(MeanSetup){ PATCHES, RAYS, FINE_MESH }, walls,
+                            count, err);
 }
 
 /* --- unit cube, ceiling emits ----------------------------------------------------------------- */
