@@ -34,6 +34,22 @@ static bool digits_close(Digits *digits, OutFile *file, Error *err)
     return outfile_commit(file, err);
 }
 
+/* A group's name; one that is the name of a column of the table's own gets a word more, in rows and
+ * columns, so that each column is there once. */
+static void put_name(FILE *out, FactorsBy by, const char *name)
+{
+    static const char *const own[] = { "area", "escaped", "group", "material" };
+    char longer[32];
+    for (size_t k = 0; k < sizeof own / sizeof *own; k++)
+        if (strcmp(name, own[k]) == 0) {
+            snprintf(longer, sizeof longer, "%s (%s)", name,
+                     by == BY_GROUP ? "group" : "material");
+            name = longer;
+            break;
+        }
+    csv_text(out, name);
+}
+
 static void put_rows(Digits *d, FactorsBy by, const Classes *classes, const double *factor)
 {
     const size_t n = classes->count;
@@ -42,11 +58,11 @@ static void put_rows(Digits *d, FactorsBy by, const Classes *classes, const doub
     fputs(by == BY_GROUP ? "group,area" : "material,area", d->out);
     for (size_t j = 0; j < n; j++) {
         fputc(',', d->out);
-        csv_text(d->out, classes->name[j]);
+        put_name(d->out, by, classes->name[j]);
     }
     fputs(open ? ",escaped\n" : "\n", d->out);
     for (size_t i = 0; i < n; i++) {
-        csv_text(d->out, classes->name[i]);
+        put_name(d->out, by, classes->name[i]);
         digits_letter(d, ',');
         digits_number(d, classes->area[i]);
         for (size_t j = 0; j < n; j++) {

@@ -107,7 +107,7 @@ static bool leave(Imprinter *im, uint32_t face)
         if (!go_on(im, k) || !imprint_contacts_find(parts, k, &im->contacts, im->err))
             return false;
         if (im->contacts.inner > 0 || im->contacts.cover_count > 0)
-            return imprint_report_left(&im->report, im->contacts.line, face, im->out, im->err);
+            return imprint_report_left(&im->report, parts, k, &im->contacts, im->out, im->err);
     }
     return true;
 }
@@ -131,6 +131,44 @@ static void note_fate(Imprinter *im)
     fate->covered_area += knife->covered_area;
 }
 
+/* Whether a point lies on the outline of a face. */
+static bool on_outline(const Polygons *soup, uint32_t face, Vec3 p, double tolerance)
+{
+    const uint32_t first = soup->first[face], count = soup->first[face + 1] - first;
+    for (uint32_t k = 0; k < count; k++) {
+        const Vec3 a = soup->position[soup->corner[first + k]];
+        const Vec3 way = vec3_sub(soup->position[soup->corner[first + (k + 1) % count]], a);
+        const double square = vec3_dot(way, way);
+        const double t = square > 0 ? vec3_dot(vec3_sub(p, a), way) / square : 0;
+        if (vec3_length(vec3_sub(p, vec3_mad(a, fmin(fmax(t, 0), 1), way))) <= tolerance)
+            return true;
+    }
+    return false;
+}
+
+/* Whether the parts of a face must part though none was cut: another stands on the line between
+ * two, or lies on one of a face that is bent there, and so closes one part's back alone. */
+static bool must_part(const Imprinter *im, uint32_t face)
+{
+    const ImprintParts *parts = &im->parts;
+    const uint32_t first = parts->first[face], last = parts->first[face + 1];
+    if (last - first < 2)
+        return false;
+    for (uint32_t k = first + 1; k < last && im->fate.flush; k++)
+        for (uint32_t i = 0; i < parts->part[k].count; i++) {
+            const Vec3 p = imprint_corner(parts, &parts->part[k], i);
+            const ImprintPart *part = &parts->part[first];
+            if (fabs(vec3_dot(part->normal, p) - part->level) > 2 * part->tolerance)
+                return true;
+        }
+    for (uint32_t k = 0; k < im->lines; k++) {
+        const Vec3 middle = vec3_lerp(im->line[k].end[0], im->line[k].end[1], 0.5);
+        if (!on_outline(parts->soup, face, middle, 2 * parts->part[first].tolerance))
+            return true;
+    }
+    return false;
+}
+
 /* Cuts the parts of one face into im->raw, `most` pieces or a few more in all; *changed when there
  * is anything to tell of it. */
 static bool cut_parts(Imprinter *im, uint32_t face, uint32_t most, bool *changed)
@@ -149,11 +187,13 @@ static bool cut_parts(Imprinter *im, uint32_t face, uint32_t most, bool *changed
         const ImprintPieces *now = &im->knife.now;
         *changed = *changed || now->count != 1 || im->knife.covered;
         note_fate(im);
+        im->fate.flush = im->fate.flush || im->contacts.flush;
         for (uint32_t i = 0; i < now->count; i++)
             if (!imprint_pieces_add(&im->raw, now->corner + now->first[i], NULL,
                                     now->first[i + 1] - now->first[i], im->err))
                 return false;
     }
+    *changed = *changed || must_part(im, face);
     return true;
 }
 

@@ -102,6 +102,22 @@ static bool gives_way(ImprintContacts *c, const Pairing *pair, bool *way, Error 
     return true;
 }
 
+static bool has_middle(const ImprintParts *parts, const ImprintPart *part, const ImprintPart *of)
+{
+    Vec3 middle = { 0 };
+    for (uint32_t k = 0; k < of->count; k++)
+        middle = vec3_mad(middle, 1.0 / of->count, imprint_corner(parts, of, k));
+    return imprint_inside(parts->soup->position, parts->corner + part->first, part->count,
+                          part->normal, 0, middle);
+}
+
+/* Whether two parts in one plane have a piece in common rather than an edge: the middle of one. */
+static bool lie_on(const Pairing *pair)
+{
+    return has_middle(pair->parts, pair->part, pair->other)
+        || has_middle(pair->parts, pair->other, pair->part);
+}
+
 /* Two parts in one plane: the other's outline. */
 static bool add_outline(ImprintContacts *c, const Pairing *pair, Error *err)
 {
@@ -110,6 +126,7 @@ static bool add_outline(ImprintContacts *c, const Pairing *pair, Error *err)
     if (!imprint_lamp_find(pair->parts, me, c, err)
         || !imprint_lamp_find(pair->parts, other, c, err))
         return false;
+    c->flush = c->flush || lie_on(pair);
     bool covered = false;
     if (!c->keep_covered && !gives_way(c, pair, &covered, err))
         return false;
@@ -182,6 +199,7 @@ bool imprint_contacts_find(const ImprintParts *parts, uint32_t index, ImprintCon
     assert(index < parts->count && c != NULL);
     const ImprintPart *part = &parts->part[index];
     c->count = c->inner = c->cover_count = 0;
+    c->flush = false;
     if (c->met == NULL)
         c->met = array_create(parts->count, sizeof *c->met, "face contacts", err);
     if (c->met == NULL)

@@ -62,6 +62,7 @@ typedef struct {
     uint32_t     inner;      /* how many of them are inner */
     uint32_t    *cover;      /* [cover_count]  parts that this one gives way to */
     uint32_t     cover_count;
+    bool         flush;      /* some other lies on it, or it on that, whichever gives way */
     size_t       capacity, cover_capacity;
     uint32_t    *met;        /* [parts]  entries of the tree; scratch */
     uint8_t     *lamp;       /* [parts]  LampKind */
@@ -137,6 +138,7 @@ typedef struct {
 /* What happened to a face, or a part of it. */
 typedef struct {
     bool     cut, covered, overlapped;
+    bool     flush;         /* some other face lies on it */
     uint32_t by, cover;     /* face that cuts it, part that it is under; both the first one */
     Vec3     cut_at, covered_at;
     double   covered_area;
@@ -153,8 +155,8 @@ typedef struct {
 bool imprint_report(ImprintReport *report, const ImprintParts *parts, uint32_t face,
                     const ImprintFate *fate, uint32_t pieces, Imprint *out, Error *err);
 /* The face is left whole though others touch it. */
-bool imprint_report_left(ImprintReport *report, const ImprintLine *line, uint32_t face,
-                         Imprint *out, Error *err);
+bool imprint_report_left(ImprintReport *report, const ImprintParts *parts, uint32_t part,
+                         const ImprintContacts *contacts, Imprint *out, Error *err);
 void imprint_tell(const ImprintReport *report, const Polygons *soup, const Imprint *out,
                   const Monitor *monitor);
 

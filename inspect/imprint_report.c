@@ -53,14 +53,17 @@ bool imprint_report(ImprintReport *report, const ImprintParts *parts, uint32_t f
         .measure = pieces }, err);
 }
 
-bool imprint_report_left(ImprintReport *report, const ImprintLine *line, uint32_t face,
-                         Imprint *out, Error *err)
+bool imprint_report_left(ImprintReport *report, const ImprintParts *parts, uint32_t part,
+                         const ImprintContacts *contacts, Imprint *out, Error *err)
 {
-    assert(report != NULL && line != NULL);
+    const ImprintLine *line = contacts->inner > 0 ? &contacts->line[0] : NULL;
+    assert(report != NULL && (line != NULL || contacts->cover_count > 0));
     out->left++;
     return defects_add(report->defects, &(Defect){
-        .kind = DEFECT_CONTACT_LEFT, .face = face, .other = line->face,
-        .at = vec3_lerp(line->end[0], line->end[1], 0.5) }, err);
+        .kind = DEFECT_CONTACT_LEFT, .face = parts->part[part].face,
+        .other = line != NULL ? line->face : parts->part[contacts->cover[0]].face,
+        .at = line != NULL ? vec3_lerp(line->end[0], line->end[1], 0.5)
+                           : imprint_corner(parts, &parts->part[part], 0) }, err);
 }
 
 static const char *material_name(const Polygons *soup, uint32_t face)

@@ -25,6 +25,8 @@ typedef struct {
     Defects              *defects;          /* may be NULL */
     Repairs               repairs;
     Note                  note[DEFECT_KINDS][2]; /* left as it is, repaired */
+    Note                  lamp;            /* faces that give light and were left out for their
+                                              shape */
     bool                  many_junctions;  /* the search for them was given up */
     Error                *err;
 } Repair;

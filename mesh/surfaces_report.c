@@ -6,25 +6,34 @@
 #include "math/tolerance.h"
 #include "mesh/internal.h"
 
+static bool emits(const Polygons *soup, uint32_t face)
+{
+    const size_t shape = face - soup->polygon_count;
+    const uint32_t material = face < soup->polygon_count ? soup->material[face]
+                                                         : soup->shape[shape].material;
+    return rgb_max(soup->materials[material].emission) > 0;
+}
+
+/* A face that was cut counts once, by its first piece. */
+static void take_note(const Polygons *soup, Note *note, const Defect *defect)
+{
+    const bool known = soup->origin != NULL && defect->face < soup->polygon_count;
+    const bool piece = known && defect->face >= soup->origin_first;
+    if (piece || note->count++ > 0)
+        return;
+    note->first = known ? soup->origin[defect->face] : defect->face;
+    note->face = defect->face;
+    note->other = defect->other;
+}
+
 bool repair_report(Repair *repair, const Defect *defect)
 {
     assert(repair != NULL && defect != NULL && defect->kind < DEFECT_KINDS);
-    Note *note = &repair->note[defect->kind][defect->repaired];
-    const Polygons *soup = repair->soup;
-    /* A face that was cut counts once, by its first piece. */
-    const bool known = soup->origin != NULL && defect->face < soup->polygon_count;
-    const bool piece = known && defect->face >= soup->origin_first;
-    if (!piece && note->count++ == 0) {
-        note->first = known ? soup->origin[defect->face] : defect->face;
-        note->face = defect->face;
-        note->other = defect->other;
-    }
+    take_note(repair->soup, &repair->note[defect->kind][defect->repaired], defect);
+    if ((defect->kind == DEFECT_DEGENERATE || defect->kind == DEFECT_NONFINITE)
+        && emits(repair->soup, defect->face))
+        take_note(repair->soup, &repair->lamp, defect);
     return defects_add(repair->defects, defect, repair->err);
-}
-
-static bool emits(const Polygons *soup, uint32_t face)
-{
-    return rgb_max(soup->materials[soup->material[face]].emission) > 0;
 }
 
 bool repair_report_double(Repair *repair, uint32_t later, uint32_t first, bool merged, Vec3 at)
@@ -65,6 +74,24 @@ static void tell_material(const Repair *repair, const Monitor *monitor)
                  soup->materials[soup->material[note->other]].name);
 }
 
+/* Light that is lost, most often because the welding distance is larger than the lamp. */
+static void tell_lamps(const Repair *repair, const Monitor *monitor)
+{
+    const Note *note = &repair->lamp;
+    const Polygons *soup = repair->soup;
+    if (note->count == 0)
+        return;
+    const bool polygon = note->face < soup->polygon_count;
+    const size_t shape = polygon ? 0 : note->face - soup->polygon_count;
+    const uint32_t group = polygon ? soup->group[note->face] : soup->shape[shape].group;
+    monitor_warn(monitor, "lamp-lost", soup->group_name[group],
+                 "%u faces that give light were left out: they have no area%s; the first is %s %zu "
+                 "of the file, in group \"%s\"", note->count,
+                 repair->options->weld > 0 ? " once corners nearer than --weld are one" : "",
+                 polygon ? "face" : "curved face", polygon ? (size_t)note->first + 1 : shape + 1,
+                 soup->group_name[group]);
+}
+
 void repair_tell(const Repair *repair, const Monitor *monitor)
 {
     static const struct {
@@ -95,6 +122,7 @@ void repair_tell(const Repair *repair, const Monitor *monitor)
         monitor_warn(monitor, "junctions", "",
                      "too many edges lie on each other in one line: not all were stitched");
     tell_material(repair, monitor);
+    tell_lamps(repair, monitor);
     for (size_t i = 0; i < sizeof told / sizeof *told; i++) {
         const Note *note = &repair->note[told[i].kind][told[i].repaired];
         if (note->count == 0)

@@ -220,6 +220,35 @@ static void test_lamp_body_in_room(void **state)
     }
 }
 
+/* A bent sheet of which one half lies on the floor: its back is closed there, and open at the other
+ * half; the two may share no patch. Likewise a wall that stands below the fold of one. */
+static void test_bent_sheet(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 3; k++) {
+        TestRoom r = { 0 };
+        Error err = { 0 };
+        const uint32_t wall = room_material(&r, 0.5, 0);
+        const double z = k == 0 ? 0 : 0.3;
+        const Vec3 bent[4] = { { 1, 1, z }, { 3, 1, z }, { 3, 3, z + 0.5 }, { 1, 3, z } };
+        uint32_t corner[4], group;
+        double area;
+        room_quad(&r, ORIGIN, vec3(4, 0, 0), vec3(0, 4, 0), wall, "floor");
+        for (int i = 0; i < 4; i++)
+            assert_true(polygons_add_vertex(&r.soup, bent[i], &corner[i], &err));
+        assert_true(polygons_add_group(&r.soup, "bent", &group, &err));
+        assert_true(polygons_add_polygon(&r.soup, corner, 4, wall, group, &err));
+        if (k == 1)
+            room_quad(&r, vec3(3, 1, 0), vec3(-2, 2, 0), vec3(0, 0, z), wall, "below");
+        Imprint im = imprinted(&r, 0);
+        assert_int_equal(pieces_of(&im, 1, &area), k == 2 ? 1 : 2);
+        pieces_of(&im, 0, &area);
+        assert_true(is_near(area, k == 0 ? 16 - 2 : 16));
+        imprint_clear(&im);
+        room_clear(&r);
+    }
+}
+
 /* A floor under others of the same area in all, and under one that equals it: one layer stays. */
 static void test_covered_altogether(void **state)
 {
@@ -406,7 +435,7 @@ int main(void)
         cmocka_unit_test(test_untouched), cmocka_unit_test(test_box_on_floor),
         cmocka_unit_test(test_wall_end),  cmocka_unit_test(test_lamp_in_plane),
         cmocka_unit_test(test_lamp_body), cmocka_unit_test(test_lamp_body_in_room),
-        cmocka_unit_test(test_covered_altogether),
+        cmocka_unit_test(test_bent_sheet), cmocka_unit_test(test_covered_altogether),
         cmocka_unit_test(test_decals),   cmocka_unit_test(test_switched_off),
         cmocka_unit_test(test_many),      cmocka_unit_test(test_memory),
     };

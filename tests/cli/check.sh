@@ -86,6 +86,13 @@ ok "marked mesh on standard output" exits 0 check "$DIR/bad.obj" -o - "${quiet[@
 ok "the same bytes" cmp -s "$DIR/out" "$DIR/bad.ply"
 ok "another name is refused" fails 2 'ends in' check "$cube" -o "$DIR/x.obj"
 
+# A lamp that welding takes away is told of.
+sed 's/^usemtl lamp//; s/^g plate/g plate\nusemtl lamp/' "$cube" >"$DIR/small.obj"
+ok "a small lamp" exits 0 check "$DIR/small.obj"
+ok "is there" test "$(grep -c lamp-lost "$DIR/err")" = 0
+ok "welded too far" exits 0 check "$DIR/small.obj" --weld 0.6
+ok "it is said" grep -q "give light were left out.*--weld.*\[lamp-lost\]" "$DIR/err"
+
 # What gives way to others is told of, and that of two materials one goes.
 grep -v '^mtllib\|^usemtl' "$cube" >"$DIR/two.obj"
 cat >"$DIR/two.mtl" <<'END_OF_SCENE'

@@ -91,6 +91,14 @@ ok "points and a matrix" fails 2 'no other matrix' factors "$room" --points "$DI
 
 # --- heat ----------------------------------------------------------------------------------------
 
+# Groups that are called like columns of the table.
+make_cube "$DIR"
+sed 's/^g floor/g area/; s/^g plate/g escaped/; /^g ceiling/,$d' "$DIR/cube.obj" >"$DIR/names.obj"
+ok "odd names" exits 0 factors "$DIR/names.obj" -o "$DIR/n.csv" "${fast[@]}"
+ok "each column has a name of its own" test "$(head -n 1 "$DIR/n.csv" | tr ',' '\n' | sort | uniq -d)" = ""
+ok "in rows as in columns" grep -q '^escaped (group),' "$DIR/n.csv"
+ok "the table's own stay" grep -q '^group,area,.*,escaped$' "$DIR/n.csv"
+
 # All walls at 293.15 K but the third, 10 K colder: the listed net fluxes, to what 256 rays leave.
 ok "net flux" exits 0 factors "$room" --exchange flux --temperature srf-3=283.15 -o "$DIR/q.csv" \
     "${fast[@]}" --rays 4096
