@@ -145,6 +145,10 @@ bool factors_write_class_rows(const Classes *classes, FactorsBy by, const char *
     return outfile_commit(file, err);
 }
 
+/* The first line is filled up with blanks to this length; its readers allow 34. Its first number
+ * says that what follows is text. */
+enum { HEADING_LETTERS = 30 };
+
 /* View3D's form: a line of what it is, areas, the matrix, emissivities. Its columns know no
  * surroundings: what escapes shows as a row that sums to less than 1. */
 bool factors_write_view3d(const Classes *classes, const double *factor, bool script,
@@ -156,7 +160,10 @@ bool factors_write_view3d(const Classes *classes, const double *factor, bool scr
         return false;
     FILE *out = outfile_stream(file);
     const size_t n = classes->count;
-    fprintf(out, "View3D isolux-" ISOLUX_VERSION " 1 %d %d %zu\n", !classes->open, script, n);
+    char heading[64];
+    snprintf(heading, sizeof heading, "View3D isolux-" ISOLUX_VERSION " 0 %d %d %zu",
+             !classes->open, script, n);
+    fprintf(out, "%-*s\n", HEADING_LETTERS, heading);
     for (size_t i = 0; i < n; i++)
         fprintf(out, "%s%.9g", i > 0 ? " " : "", classes->area[i]);
     fputc('\n', out);

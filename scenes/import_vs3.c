@@ -251,11 +251,21 @@ static bool read_line(Vs3Reader *r, const char *line, Error *err)
     return r->ended || read_surface(r, key, line + 1, err);
 }
 
+/* Letters before a comment: from a ! on, or from a / that begins a word. */
+static size_t data_length(const char *line)
+{
+    size_t n = 0;
+    while (line[n] != '\0' && line[n] != '!' &&
+           !(line[n] == '/' && n > 0 && isspace((unsigned char)line[n - 1])))
+        n++;
+    return n;
+}
+
 static bool read_lines(Vs3Reader *r, Error *err)
 {
     char line[LINE_MOST];
     for (const char *next; !r->ended && (next = text_line(&r->text)) != NULL;) {
-        const size_t length = strcspn(next, "!");
+        const size_t length = data_length(next);
         if (length >= sizeof line)
             return text_error(&r->text, err, "the line is longer than %d letters", LINE_MOST - 1);
         memcpy(line, next, length);
