@@ -94,6 +94,16 @@ static inline void room_connect(TestRoom *r)
     room_trace(r);
 }
 
+/* Divides what takes part into patches no larger than size, or anew. */
+static inline void room_divide(TestRoom *r, double size)
+{
+    Error err = { 0 };
+    const PatchOptions patch = { .size = size, .sides = r->sides };
+    patches_destroy(r->patches);
+    r->room.patches = r->patches = patches_create(r->surfaces, &patch, NULL, &err);
+    assert_non_null(r->patches);
+}
+
 /* Finds sides and divides into patches no larger than size. */
 static inline void room_finish(TestRoom *r, double size, const SidesOptions *options,
                                const Light *lights, size_t light_count, const Monitor *monitor)
@@ -103,14 +113,12 @@ static inline void room_finish(TestRoom *r, double size, const SidesOptions *opt
         room_connect(r);
     assert_true(sides_find(r->surfaces, r->bvh, r->soup.materials, lights, light_count, options,
                            r->sides, r->emitting, &r->report, monitor, &err));
-    const PatchOptions patch = { .size = size, .sides = r->sides };
-    r->patches = patches_create(r->surfaces, &patch, NULL, &err);
-    assert_non_null(r->patches);
-    r->room = (Room){ .surfaces = r->surfaces, .bvh = r->bvh, .patches = r->patches,
+    r->room = (Room){ .surfaces = r->surfaces, .bvh = r->bvh,
                       .materials = r->soup.materials, .material_count = r->soup.material_count,
                       .lights = lights, .light_count = light_count,
                       .sides = r->sides, .emitting = r->emitting,
                       .offset = ray_offset(r->surfaces->largest_coordinate) };
+    room_divide(r, size);
 }
 
 static inline void room_clear(TestRoom *r)
