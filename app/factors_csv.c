@@ -262,7 +262,8 @@ static bool write_patch_table(const Pipeline *pipeline, const char *path, Error 
         csv_text(out, soup->materials[p->material[i]].name);
         place_text(pipeline->scene, p->centre[i], 9, centre);
         fprintf(out, ",%" PRIu32 ",%s,%.9g,%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n",
-                p->surface[i], p->side[i] == 0 ? "front" : "back", p->area[i], links->area[i], centre,
+                p->surface[i], p->side[i] == 0 ? "front" : "back", p->area[i], links->area[i],
+                centre,
                 p->normal[i].x, p->normal[i].y, p->normal[i].z, (double)links->escape[i],
                 row_sum(links, i, &scratch), row_sum(raw, i, &scratch), (double)raw->escape[i]);
     }
