@@ -25,7 +25,8 @@ static const CommandHelp command_help[] = {
       "  isolux solve room.glb -o room.ply         opens in MeshLab, ParaView, Blender\n"
       "  isolux solve room.msd --json -            only the numbers\n"
       "  isolux solve room.msd --patches 50000 --solver progressive -o room.ply\n"
-      "  isolux solve room.msd --compare -o solvers.csv\n",
+      "  isolux solve room.msd --compare -o solvers.csv\n"
+      "  isolux solve room.msd --set lamp.emission='*0.5' -o dim.ply\n",
       "Faces of the PLY are patches, with radiosity, irradiance, reflectance, area, surface,\n"
       "group and material; units are in its comment lines. Without -o only figures are made.\n" },
     { COMMAND_FACTORS, "SCENE [-o FILE.csv]", "form factors (view factors) by group or patch",

@@ -107,3 +107,68 @@ void json_numbers(Json *json, const char *key, const double *values, int count)
         put(json, NULL, number(values[i]));
     json_close(json, ']');
 }
+
+/* --- reading ---------------------------------------------------------------------------------- */
+
+enum { VALUE_MOST = 256 };
+
+static bool put_number(const json_t *value, char *out, size_t size)
+{
+    const int n = snprintf(out, size, "%.17g", json_number_value(value));
+    return json_is_number(value) && n > 0 && (size_t)n < size;
+}
+
+/* A value as the text that an option would have. */
+static bool put_value(const json_t *value, char out[VALUE_MOST])
+{
+    size_t used = 0;
+    if (json_is_string(value))
+        return snprintf(out, VALUE_MOST, "%s", json_string_value(value)) < VALUE_MOST;
+    if (!json_is_array(value))
+        return put_number(value, out, VALUE_MOST);
+    for (size_t k = 0; k < json_array_size(value); k++) {
+        if (k > 0 && used + 1 < VALUE_MOST)
+            out[used++] = ',';
+        if (!put_number(json_array_get(value, k), out + used, VALUE_MOST - used))
+            return false;
+        used += strlen(out + used);
+    }
+    return used > 0;
+}
+
+static bool take_members(const char *name, json_t *object, const char *path, JsonTake take,
+                         void *user, Error *err)
+{
+    const char *member;
+    json_t *value;
+    char text[VALUE_MOST];
+    json_object_foreach(object, member, value) {
+        if (!put_value(value, text))
+            return error_at(err, ERROR_INPUT, path, 0, "'%s' of '%s' is no text, number or array "
+                            "of numbers", member, name);
+        if (!take(user, name, member, text, err))
+            return false;
+    }
+    return true;
+}
+
+bool json_read_members(const char *bytes, size_t size, const char *path, JsonTake take, void *user,
+                       Error *err)
+{
+    json_error_t why;
+    json_t *root = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, &why), *value;
+    const char *name;
+    if (root == NULL)
+        return error_at(err, ERROR_INPUT, path, (unsigned)(why.line > 0 ? why.line : 0), "%s",
+                        why.text);
+    if (!json_is_object(root))
+        error_at(err, ERROR_INPUT, path, 0, "is not { \"NAME\": { ... } }");
+    json_object_foreach(root, name, value) {
+        if (!json_is_object(value))
+            error_at(err, ERROR_INPUT, path, 0, "'%s' is not { ... }", name);
+        if (error_is_set(err) || !take_members(name, value, path, take, user, err))
+            break;
+    }
+    json_decref(root);
+    return !error_is_set(err);
+}

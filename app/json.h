@@ -11,6 +11,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "base/error.h"
+
 enum { JSON_DEPTH = 16 };
 
 struct json_t;
@@ -30,5 +32,17 @@ void json_number(Json *json, const char *key, double value);
 void json_count(Json *json, const char *key, uint64_t value);
 void json_bool(Json *json, const char *key, bool value);
 void json_numbers(Json *json, const char *key, const double *values, int count);
+
+/* --- reading ---------------------------------------------------------------------------------- */
+
+/* Takes one member of a member, its value as text. */
+typedef bool (*JsonTake)(void *user, const char *name, const char *member, const char *value,
+                         Error *err);
+
+/* Reads { "name": { "member": value, ... }, ... } with values that are texts, numbers, or arrays of
+ * numbers (as text: with commas between); path is for messages.
+ * fails  false; ERROR_INPUT with the line, or what `take` says. */
+bool json_read_members(const char *bytes, size_t size, const char *path, JsonTake take, void *user,
+                       Error *err);
 
 #endif

@@ -92,6 +92,12 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       "progressive, stopped early: no estimate of what was not shot" },
     { OPTION_COMPARE, "--compare", NULL, COMMAND_SOLVE, KIND_FLAG, FIELD(compare), 0, 0, NULL,
       "run all solvers on the same factors: -o FILE.csv and a plot FILE.svg" },
+    { OPTION_SET, "--set", "CHANGE", SOLVING, KIND_TEXTS, FIELD(set), 0, 0, NULL,
+      "relight: GROUP.emission=*0.5, GROUP.reflectance=0.6; may be given again" },
+    { OPTION_CHANGES, "--changes", "FILE", SOLVING, KIND_TEXT, FIELD(changes), 0, 0, NULL,
+      "the same as JSON: { \"lamp\": { \"emission\": \"*0.5\" } }" },
+    { OPTION_LIGHT_GROUPS, "--light-groups", NULL, SOLVING, KIND_FLAG, FIELD(light_groups), 0, 0,
+      NULL, "solve each emitting group and light apart, and mix them when dimmed" },
     { OPTION_CHECKPOINT, "--checkpoint", "T", SAVING, KIND_SECONDS, FIELD(checkpoint), 0, BIG,
       NULL, "save what is done every 30s, 5min, and when stopped, as RESULT.checkpoint" },
     { OPTION_RESUME, "--resume", "FILE", SAVING, KIND_TEXT, FIELD(resume), 0, 0, NULL,
@@ -226,9 +232,18 @@ static bool wrong_value(const OptionRow *row, const char *text, Error *err)
         [KIND_BYTES] = "a size like 512MB",        [KIND_SECONDS] = "a time like 30s or 5min",
         [KIND_SET] = "a list like all,-winding",
         [KIND_PIXELS] = "a size like 640x480",     [KIND_VECTOR] = "three numbers like 1,2.5,-3",
+        [KIND_TEXTS] = "one of at most 64 changes",
         [KIND_EXPOSURE] = "a number of stops or auto",
     };
     return error_set(err, ERROR_USAGE, "%s '%s' is not %s", row->name, text, forms[row->kind]);
+}
+
+static bool texts_add(TextList *list, const char *text)
+{
+    if (list->count == TEXTS_MOST)
+        return false;
+    list->text[list->count++] = text;
+    return true;
 }
 
 /* Stores the value; *field is the option's place in Options. */
@@ -247,6 +262,9 @@ static bool store_value(Options *options, const OptionRow *row, const char *text
         good = *text != '\0';
         if (!good)
             return error_set(err, ERROR_USAGE, "%s needs a %s", row->name, row->argument);
+        break;
+    case KIND_TEXTS:
+        good = *text != '\0' && texts_add(field, text);
         break;
     case KIND_COUNT:
         good = value_count(text, &count) && count >= row->low && count <= row->high;

@@ -78,6 +78,9 @@ typedef enum {
     OPTION_OVERSHOOT,
     OPTION_NO_AMBIENT,
     OPTION_COMPARE,
+    OPTION_SET,
+    OPTION_CHANGES,
+    OPTION_LIGHT_GROUPS,
     OPTION_CHECKPOINT,
     OPTION_RESUME,
     OPTION_SIZE,
@@ -111,6 +114,13 @@ typedef enum {
     OPTION_COUNT
 } OptionId;
 
+/* An option that may be given several times. */
+enum { TEXTS_MOST = 64 };
+typedef struct {
+    const char *text[TEXTS_MOST];
+    uint32_t    count;
+} TextList;
+
 typedef struct Options {
     Command     command;
     const char *scene;       /* NULL: none given; compare: the reference */
@@ -124,7 +134,9 @@ typedef struct Options {
     int         quality, progress, closure, storage, solver, by, exchange, emit, sides, units;
     int         light;
     bool        print_config, diffuse, help, adapt, no_adapt, constant;
-    bool        overshoot, no_ambient, compare;
+    bool        overshoot, no_ambient, compare, light_groups;
+    const char *changes;     /* file of changes */
+    TextList    set;         /* changes */
     uint32_t    repair;      /* bit RepairBit: do it */
     uint32_t    samples;     /* compare: points of a solution; 0: not given */
     uint32_t    threads, seed, patches, rays, lamp_rays, max_iterations, spp, gather_rays;
@@ -145,6 +157,7 @@ typedef struct Options {
 typedef enum {
     KIND_FLAG,     /* bool */
     KIND_TEXT,     /* const char * */
+    KIND_TEXTS,    /* TextList, one more each time */
     KIND_COUNT,    /* uint32_t within low..high */
     KIND_NUMBER,   /* double within low..high */
     KIND_BYTES,    /* uint64_t: 512MB */

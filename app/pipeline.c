@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "app/pipeline_adapt.h"
+#include "app/pipeline_relight.h"
 #include "app/pipeline_groups.h"
 #include "app/saving.h"
 #include "app/trace.h"
@@ -105,8 +106,11 @@ bool pipeline_read(Pipeline *pipeline, Error *err)
         if (options_given(&session->options, OPTION_UP))
             pipeline->scene->up = vec3_unit(session->options.up);
         warn_glass(pipeline);
+        changes_read(&pipeline->changes, &session->options, pipeline->scene, err);
     }
     pipeline_note(pipeline, STAGE_READ, begin);
+    if (error_is_set(err))
+        return false;
     return pipeline->scene != NULL && pipeline_fits(pipeline, 0, session->options.scene, err);
 }
 
@@ -316,7 +320,7 @@ bool pipeline_patches(Pipeline *pipeline, Error *err)
 
 /* --- solve ------------------------------------------------------------------------------------ */
 
-static bool set_problem(Pipeline *pipeline, Error *err)
+bool pipeline_problem(Pipeline *pipeline, Error *err)
 {
     const Patches *patches = pipeline->patches;
     const size_t n = (size_t)patches->count * ROOM_BANDS;
@@ -385,16 +389,21 @@ bool pipeline_light(Pipeline *pipeline, Error *err)
         lit = direct_create(&pipeline->room, pipeline->links, &direct, &pipeline->direct,
                             &session->monitor, err);
     } while (!lit && pipeline_hurry(pipeline, err));
-    return lit && set_problem(pipeline, err);
+    return lit && pipeline_problem(pipeline, err);
 }
 
 bool pipeline_solve(Pipeline *pipeline, Error *err)
 {
     Session *session = pipeline->session;
     const double begin = progress_now();
+    const bool solved = pipeline->solution != NULL; /* by an earlier run */
     if (!pipeline_light(pipeline, err))
         return false;
-    if (pipeline->solution == NULL && !run_solver(pipeline, err))
+    if (session->options.light_groups && !pipeline_light_groups(pipeline, err))
+        return false;
+    if (!solved && !run_solver(pipeline, err))
+        return false;
+    if (pipeline->changes.count > 0 && !pipeline_relight(pipeline, solved, err))
         return false;
     saving_state(pipeline->saving, SAVING_SOLUTION);
     set_energy(pipeline);
@@ -423,6 +432,8 @@ int pipeline_exit_code(const Pipeline *pipeline)
 void pipeline_clear(Pipeline *pipeline)
 {
     solution_destroy(pipeline->solution);
+    changes_clear(&pipeline->changes);
+    relit_clear(&pipeline->relit);
     array_free(pipeline->emission);
     array_free(pipeline->reflectance);
     array_free(pipeline->direct.irradiance);

@@ -4,6 +4,8 @@
 #define APP_PIPELINE_H
 
 #include "app/adapt_report.h"
+#include "app/changes.h"
+#include "app/relit.h"
 #include "app/session.h"
 #include "inspect/imprint.h"
 #include "radiosity/direct.h"
@@ -65,6 +67,8 @@ typedef struct Pipeline {
     SolveProblem problem;
     Solution    *solution;
     Energy       energy[ROOM_BANDS];
+    Changes      changes;           /* after it is solved */
+    Relit        relit;
     struct Saving *saving;          /* the caller's; NULL: nothing is saved */
     RenderReport render;
     int          width, height;     /* of the picture; 0: none was made */
@@ -83,6 +87,8 @@ bool pipeline_factors(Pipeline *pipeline, Error *err); /* pipeline_factors.c */
 bool pipeline_solve(Pipeline *pipeline, Error *err);
 /* The first part of it: direct light, and the problem to solve. */
 bool pipeline_light(Pipeline *pipeline, Error *err);
+/* The problem alone: emission and reflectance of the patches as the scene has them now. */
+bool pipeline_problem(Pipeline *pipeline, Error *err);
 
 /* Chooses the camera: --camera, --eye, the file's first, else one that shows the room. Between
  * pipeline_mesh and pipeline_patches, for what is seen takes part. */

@@ -63,6 +63,12 @@ static uint64_t find_key(const Pipeline *p)
         key = file_hash(p->point, p->point_count * sizeof *p->point, key);
         key = file_hash(p->normal, p->point_count * sizeof *p->normal, key);
     }
+    for (size_t i = 0; i < p->changes.count; i++) {
+        const Change *change = &p->changes.change[i];
+        const double values[] = { change->what, change->factor, change->kind, change->index,
+                                  change->value.r, change->value.g, change->value.b };
+        key = file_hash(values, sizeof values, key);
+    }
     for (size_t i = 0; i < p->scene->polygons.material_count; i++) {
         const Material *m = &p->scene->polygons.materials[i];
         key = file_hash(&m->reflectance, sizeof m->reflectance, key);

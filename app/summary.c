@@ -225,6 +225,30 @@ static void put_solve(Json *json, const Pipeline *pipeline)
     json_close(json, '}');
 }
 
+static void put_relit(Json *json, const Pipeline *pipeline)
+{
+    const Relit *relit = &pipeline->relit;
+    if (relit->groups != NULL) {
+        json_open(json, "light_groups", '{');
+        json_open(json, "names", '[');
+        for (uint32_t k = 0; k < relit->group_count; k++)
+            json_text(json, NULL, relit->name[k]);
+        json_close(json, ']');
+        json_count(json, "iterations", relit->groups->iterations);
+        json_number(json, "seconds", relit->groups_seconds);
+        json_close(json, '}');
+    }
+    if (pipeline->changes.count == 0)
+        return;
+    json_open(json, "relight", '{');
+    json_count(json, "changes", pipeline->changes.count);
+    json_text(json, "way", relit->mixed ? "mixed" : "solved");
+    json_count(json, "iterations", relit->mixed ? 0 : pipeline->solution->iterations);
+    json_number(json, "seconds", relit->seconds);
+    json_number(json, "cpu_seconds", relit->cpu_seconds);
+    json_close(json, '}');
+}
+
 static void put_render(Json *json, const Pipeline *pipeline)
 {
     const Settings *settings = &pipeline->session->settings;
@@ -261,6 +285,8 @@ void summary_pipeline(Json *json, const Pipeline *pipeline)
         put_factors(json, pipeline);
     if (pipeline->solution != NULL)
         put_solve(json, pipeline);
+    if (pipeline->solution != NULL)
+        put_relit(json, pipeline);
     if (pipeline->width > 0)
         put_render(json, pipeline);
     put_seconds(json, pipeline);
@@ -332,11 +358,21 @@ static void print_light(const Pipeline *pipeline)
     const Rgb emitted = rgb(e[0].emitted, e[1].emitted, e[2].emitted);
     const Rgb absorbed = rgb(e[0].absorbed, e[1].absorbed, e[2].absorbed);
     const Rgb escaped = rgb(e[0].escaped, e[1].escaped, e[2].escaped);
-    session_say(pipeline->session, "  solve    %s, %u iterations, residual %.2g%s, error below "
-                "%.2g, %.2f s", solver_name(pipeline->session->settings.solver),
-                solution->iterations, solution->residual,
-                solution->converged ? "" : " (tolerance missed)", solution->error_bound,
+    char bound[48] = "";
+    if (isfinite(solution->error_bound))
+        snprintf(bound, sizeof bound, ", error below %.2g", solution->error_bound);
+    session_say(pipeline->session, "  solve    %s, %u iterations, residual %.2g%s%s, %.2f s",
+                solver_name(pipeline->session->settings.solver), solution->iterations,
+                solution->residual, solution->converged ? "" : " (tolerance missed)", bound,
                 pipeline->seconds[STAGE_SOLVE]);
+    const Relit *relit = &pipeline->relit;
+    if (relit->groups != NULL)
+        session_say(pipeline->session, "  groups   %u solved apart, %.3f s", relit->group_count,
+                    relit->groups_seconds);
+    if (pipeline->changes.count > 0)
+        session_say(pipeline->session, "  relight  %zu changes, %s, %.4f s",
+                    pipeline->changes.count, relit->mixed ? "mixed from light groups"
+                                                          : "solved again", relit->seconds);
     session_say(pipeline->session,
                 "  energy   emitted %.5g %s, absorbed %.5g, escaped %.5g, balance error %.2g",
                 rgb_luminance(emitted), unit, rgb_luminance(absorbed), rgb_luminance(escaped),

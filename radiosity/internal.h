@@ -26,6 +26,8 @@ typedef struct {
     const Solution     *solution;       /* being made */
     double             *begin;          /* seconds of the clock at the start, traces left out */
     double              contraction;    /* q of solve.h; NAN: not asked for */
+    double             *start;          /* [count * bands]  the caller's, 0 in bands without
+                                           power; NULL: none */
     double             *shown, *after;  /* [count * bands]  of a trace: an iterate, the next one */
     double             *source;         /* [count * bands]  E + rho H0 */
     double             *power;          /* [bands]  sum of A (E + rho H0) */

@@ -237,6 +237,19 @@ static double find_contraction(const SolveSystem *system, double *sum)
     return q;
 }
 
+/* A band without power has no residual that would tell: what it starts with must be right. */
+static bool set_start(SolveSystem *system, Error *err)
+{
+    const size_t values = (size_t)system->links->count * system->bands;
+    if (system->options->start == NULL)
+        return true;
+    system->start = array_create(values, sizeof *system->start, "a solution to start from", err);
+    for (size_t k = 0; system->start != NULL && k < values; k++)
+        if (system->power[k % system->bands] > 0)
+            system->start[k] = system->options->start[k];
+    return system->start != NULL;
+}
+
 static bool set_contraction(SolveSystem *system, Error *err)
 {
     const size_t values = (size_t)system->links->count * system->bands;
@@ -257,7 +270,7 @@ static bool set_contraction(SolveSystem *system, Error *err)
 
 void solve_start(const SolveSystem *system, const double *otherwise, double *radiosity)
 {
-    const double *start = system->options->start != NULL ? system->options->start : otherwise;
+    const double *start = system->start != NULL ? system->start : otherwise;
     memcpy(radiosity, start, (size_t)system->links->count * system->bands * sizeof *radiosity);
 }
 
@@ -269,6 +282,7 @@ static void system_clear(SolveSystem *system)
     for (unsigned k = 0; k < system->threads && system->scratch != NULL; k++)
         links_scratch_clear(&system->scratch[k]);
     array_free(system->scratch);
+    array_free(system->start);
     array_free(system->shown);
     array_free(system->after);
 }
@@ -346,6 +360,25 @@ static bool run(const SolveSystem *system, const SolveOptions *options, Solution
     return false;
 }
 
+/* Steps along directions may end a rounding below what a patch sends out by itself: true when
+ * something had to be lifted. */
+static bool keep_emission(const SolveSystem *system, Solution *solution)
+{
+    bool lifted = false;
+    for (size_t k = 0; k < (size_t)solution->count * solution->bands; k++)
+        if (solution->radiosity[k] < system->problem->emission[k]) {
+            solution->radiosity[k] = system->problem->emission[k];
+            lifted = true;
+        }
+    return lifted;
+}
+
+/* Leaves residual and irradiance of the radiosity it ends with. */
+static bool measures_itself(Solver solver)
+{
+    return solver == SOLVER_CONJUGATE_GRADIENTS || solver == SOLVER_GMRES;
+}
+
 Solution *solve(const Links *links, const SolveProblem *problem, const SolveOptions *options,
                 const Monitor *monitor, Error *err)
 {
@@ -357,16 +390,14 @@ Solution *solve(const Links *links, const SolveProblem *problem, const SolveOpti
     SolveSystem system;
     Solution *solution = NULL;
     if (system_init(&system, links, problem, options, monitor, err) &&
-        set_contraction(&system, err))
+        set_start(&system, err) && set_contraction(&system, err))
         system.solution = solution = solution_create(links->count, problem->bands, err);
     system.begin = &begin;
     if (solution != NULL && run(&system, options, solution, err)) {
-        /* Steps along directions may end a rounding below what a patch sends out by itself. */
-        for (size_t k = 0; k < (size_t)solution->count * solution->bands; k++)
-            solution->radiosity[k] = fmax(solution->radiosity[k], problem->emission[k]);
         /* The same measure for all, taken from the result itself; source is not needed any more. */
-        solution->residual =
-            solve_apply(&system, solution->radiosity, system.source, solution->irradiance);
+        if (keep_emission(&system, solution) || !measures_itself(options->solver))
+            solution->residual =
+                solve_apply(&system, solution->radiosity, system.source, solution->irradiance);
         solution->converged = solution->residual <= system.tolerance;
         solution->error_bound = isnan(system.contraction)
                                     ? NAN : error_bound(&system, solution->residual);

@@ -55,6 +55,10 @@ typedef struct {
     bool     bound;            /* find the bound on the error: one more pass over the links; with
                                   a trace it is found anyway */
     const double *start;       /* [count * bands]  a radiosity near the solution; NULL: emission */
+    const double *start_irradiance; /* [count * bands]  H0 + F start, where it is known: saves
+                                       GMRES a pass */
+    bool     single;           /* GMRES, up to 4 bands: products in single precision, for a start
+                                  that is near; its residuals stay in double */
     unsigned threads;
     /* called after every step, from the caller's thread; NULL: not. What it takes to know the
      * residual of each step is not counted in `seconds`. */

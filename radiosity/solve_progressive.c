@@ -206,7 +206,7 @@ static void shooting_start(Shooting *s)
 {
     const SolveSystem *system = s->system;
     const size_t values = (size_t)system->links->count * system->bands;
-    const double *start = system->options->start;
+    const double *start = system->start;
     memcpy(s->radiosity, system->source, values * sizeof *s->radiosity);
     memcpy(s->unshot, system->source, values * sizeof *s->unshot);
     if (start == NULL)
