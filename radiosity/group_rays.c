@@ -68,8 +68,8 @@ static void count_row(Wave *w, const RowCast *row, uint32_t patch, uint32_t scra
     double *dense = &w->dense[(size_t)worker * g->options->count];
     double weights = 0, all = 0, escaped = 0;
     for (uint32_t p = 0; p < row->positions; p++) {
-        all += row->position[p].at.weight;
-        weights += row->position[p].good > 0 ? row->position[p].at.weight : 0;
+        all += row->position[p].weight;
+        weights += row->position[p].good > 0 ? row->position[p].weight : 0;
     }
     const double seen = all > 0 ? patches->area[patch] * weights / all : 0;
     sent->seen[scramble] = seen;
@@ -77,14 +77,14 @@ static void count_row(Wave *w, const RowCast *row, uint32_t patch, uint32_t scra
         return;
     memset(dense, 0, g->options->count * sizeof *dense);
     for (uint32_t k = 0; k < row->rays; k++) {
-        const CastPosition *p = &row->position[k % row->positions];
+        const CastPosition *p = &row->position[row->cell[k]];
         const RayEnd *end = &row->end[k];
         if (p->good == 0 || (end->patch == PATCH_NONE && !end->escaped))
             continue;
-        const double share = seen * p->at.weight / (weights * p->good);
+        const double share = seen * row->weight[k] / p->good_weight * p->weight / weights;
         if (end->escaped)
             escaped += share;
-        else if (by_rays(g, p->at.surface, patches->side[patch], end))
+        else if (by_rays(g, row->start[k], patches->side[patch], end))
             dense[g->options->patch_class[end->patch]] += share;
     }
     for (uint32_t c = 0; c < g->options->count; c++)

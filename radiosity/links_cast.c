@@ -9,6 +9,15 @@
 #include "radiosity/internal.h"
 #include "radiosity/visible.h"
 
+/* Cells of a grid with RAYS_PER_POSITION points of the net in each, when rays are a power of two. */
+static uint32_t cells_of(uint32_t rays)
+{
+    uint32_t cells = 1;
+    while (2 * cells <= rays / RAYS_PER_POSITION)
+        cells *= 2;
+    return cells;
+}
+
 bool row_cast_create(RowCast *row, uint32_t rays, uint32_t lamp_rays, Error *err)
 {
     return row_cast_allocate(row, rays, lamp_rays, 1, err);
@@ -21,13 +30,17 @@ bool row_cast_allocate(RowCast *row, uint32_t rays, uint32_t lamp_rays, uint32_t
     const size_t all = (size_t)rays + lamp_rays, n = patches;
     static const char what[] = "the rays of a patch";
     *row = (RowCast){ .rays = rays, .lamp_rays = lamp_rays,
-                      .positions = (rays - 1) / RAYS_PER_POSITION + 1 };
+                      .positions = cells_of(rays) };
     row->position = array_create(n * row->positions, sizeof *row->position, what, err);
     row->valid = array_create(n * row->positions, sizeof *row->valid, what, err);
     row->ray = array_create(n * rays, sizeof *row->ray, what, err);
     row->end = array_create(n * rays, sizeof *row->end, what, err);
     row->hit = array_create(n * rays, sizeof *row->hit, what, err);
     row->cosine = array_create(n * rays, sizeof *row->cosine, what, err);
+    row->cell = array_create(n * rays, sizeof *row->cell, what, err);
+    row->start = array_create(n * rays, sizeof *row->start, what, err);
+    row->weight = array_create(n * rays, sizeof *row->weight, what, err);
+    row->place = array_create(n * rays, sizeof *row->place, what, err);
     row->sample = array_create(n * lamp_rays, sizeof *row->sample, what, err);
     row->lamp_ray = array_create(n * lamp_rays, sizeof *row->lamp_ray, what, err);
     row->blocked = array_create(n * lamp_rays, sizeof *row->blocked, what, err);
@@ -50,6 +63,10 @@ void row_cast_clear(RowCast *row)
     array_free(row->lamp_ray);
     array_free(row->blocked);
     array_free(row->cosine);
+    array_free(row->cell);
+    array_free(row->start);
+    array_free(row->weight);
+    array_free(row->place);
     array_free(row->value);
     array_free(row->key);
     array_free(row->other);
@@ -58,25 +75,52 @@ void row_cast_clear(RowCast *row)
     *row = (RowCast){ 0 };
 }
 
-/* Ray k leaves from position k mod positions: the first `positions` points of the net are a net of
- * their own over the patch, and the directions of all points are one over the hemisphere. */
+/* The net's elementary intervals of twice as many columns as rows, or as many, hold the same number
+ * of its points each. */
+static uint32_t cell_at(const RowCast *row, float a, float b)
+{
+    uint32_t columns = 1;
+    while (columns * columns < row->positions)
+        columns *= 2;
+    return (uint32_t)(a * (float)columns) * (row->positions / columns) +
+           (uint32_t)(b * (float)(row->positions / columns));
+}
+
+static void place_at(const Room *room, uint32_t patch, const float x[2], PatchPoint *at)
+{
+    patches_point(room->patches, room->surfaces, patch, x[0], x[1], at);
+    visible_move(room, at);
+}
+
+/* All four coordinates of a ray are those of one point of the net: a place of its own and a
+ * direction. Rays of places in the same cell stand together. */
 static void make_rays(RowCast *row, const Room *room, uint32_t patch, uint32_t seed)
 {
+    for (uint32_t p = 0; p < row->positions; p++)
+        row->position[p] = (CastPosition){ .good = 0 };
+    row->patch = patch;
     for (uint32_t k = 0; k < row->rays; k++) {
-        CastPosition *p = &row->position[k % row->positions];
         float x[4];
+        PatchPoint at;
         sampling_sobol4(k, seed, x);
-        if (k < row->positions) {
-            *p = (CastPosition){ .good = 0 };
-            patches_point(room->patches, room->surfaces, patch, x[0], x[1], &p->at);
-            visible_move(room, &p->at);
+        place_at(room, patch, x, &at);
+        row->place[k][0] = x[0];
+        row->place[k][1] = x[1];
+        row->cell[k] = cell_at(row, x[0], x[1]);
+        row->start[k] = at.surface;
+        row->weight[k] = at.weight;
+        CastPosition *p = &row->position[row->cell[k]];
+        if (p->rays++ == 0) {
+            p->at = at;
+            p->first = k;
         }
-        const Vec3 n = p->at.point.normal, local = sampling_cosine(x[2], x[3]);
+        p->weight += (at.weight - p->weight) / p->rays;
+        const Vec3 n = at.point.normal, local = sampling_cosine(x[2], x[3]);
         Vec3 u, v;
         vec3_frame(n, &u, &v);
         const Vec3 d = vec3_mad(vec3_mad(vec3_scale(n, local.z), local.x, u), local.y, v);
         row->cosine[k] = local.z;
-        row->ray[k] = ray_leaving(p->at.point.point, n, room->offset, d, INFINITY);
+        row->ray[k] = ray_leaving(at.point.point, n, room->offset, d, INFINITY);
     }
 }
 
@@ -92,19 +136,22 @@ static Vec3 ray_direction(const Ray *ray)
 void row_cast_judge(RowCast *row, const Room *room)
 {
     for (uint32_t k = 0; k < row->rays; k++) {
-        CastPosition *p = &row->position[k % row->positions];
+        CastPosition *p = &row->position[row->cell[k]];
         RayEnd *end = &row->end[k];
         end->escaped = row->hit[k].primitive == RAY_MISS;
         end->patch = end->escaped ? PATCH_NONE
                                   : room_patch(room, &row->hit[k], ray_direction(&row->ray[k]),
                                                &end->surface, &end->s, &end->t);
         end->escaped = end->escaped || (room->sides_given && end->patch == PATCH_NONE);
-        if (!end->escaped && end->patch == PATCH_NONE)
+        if (!end->escaped && end->patch == PATCH_NONE) {
             p->bad++;
-        else if (end->escaped || !visible_at_seam(room, end->surface, end->s, end->t))
-            p->good++;
-        else
+        } else if (end->escaped || !visible_at_seam(room, end->surface, end->s, end->t)) {
+            if (p->good++ == 0 && p->first != k)
+                place_at(room, row->patch, row->place[k], &p->at);
+            p->good_weight += row->weight[k];
+        } else {
             end->patch = PATCH_NONE;
+        }
     }
     row->good_rays = row->valid_count = 0;
     for (uint32_t p = 0; p < row->positions; p++)
@@ -146,13 +193,13 @@ static void add_hemisphere(RowCast *row, const Room *room, const LampTable *lamp
 {
     double weights = 0;
     for (uint32_t v = 0; v < row->valid_count; v++)
-        weights += row->position[row->valid[v]].at.weight;
+        weights += row->position[row->valid[v]].weight;
     for (uint32_t k = 0; k < row->rays; k++) {
-        const CastPosition *p = &row->position[k % row->positions];
+        const CastPosition *p = &row->position[row->cell[k]];
         const RayEnd *end = &row->end[k];
         if (p->good == 0 || (end->patch == PATCH_NONE && !end->escaped))
             continue;
-        const double share = p->at.weight / (weights * p->good);
+        const double share = row->weight[k] / p->good_weight * p->weight / weights;
         if (end->escaped)
             row->escape += share;
         else
@@ -165,8 +212,8 @@ static double visible_share(const RowCast *row)
 {
     double all = 0, good = 0;
     for (uint32_t p = 0; p < row->positions; p++) {
-        all += row->position[p].at.weight;
-        good += row->position[p].good > 0 ? row->position[p].at.weight : 0;
+        all += row->position[p].weight;
+        good += row->position[p].good > 0 ? row->position[p].weight : 0;
     }
     return all > 0 ? good / all : 0;
 }

@@ -26,6 +26,10 @@ bool row_tile_create(RowTile *tile, uint32_t rays, uint32_t lamp_rays, Error *er
         row->hit += (size_t)k * rays;
         row->end += (size_t)k * rays;
         row->cosine += (size_t)k * rays;
+        row->cell += (size_t)k * rays;
+        row->start += (size_t)k * rays;
+        row->weight += (size_t)k * rays;
+        row->place += (size_t)k * rays;
         row->sample += (size_t)k * lamp_rays;
     }
     return true;
