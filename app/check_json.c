@@ -75,6 +75,17 @@ static void put_rims(Json *json, const Check *check)
     json_close(json, '}');
 }
 
+/* Surfaces of a part with that side in use. */
+static uint64_t side_count(const Check *check, const Part *part, unsigned bit)
+{
+    const Surfaces *s = check->pipeline->surfaces;
+    const uint32_t  number = s->part[part->first];
+    uint64_t        count = 0;
+    for (uint32_t i = 0; i < s->count; i++)
+        count += s->part[i] == number && (check->pipeline->sides[i] & bit) != 0;
+    return count;
+}
+
 static void put_part(Json *json, const Check *check, const Part *part)
 {
     const Surfaces *s = check->pipeline->surfaces;
@@ -86,6 +97,9 @@ static void put_part(Json *json, const Check *check, const Part *part)
     json_number(json, "area", part->area);
     json_bool(json, "closed", part->closed);
     json_bool(json, "reached", part->seen);
+    json_number(json, "volume", part->volume);
+    json_count(json, "fronts", side_count(check, part, 1));
+    json_count(json, "backs", side_count(check, part, 2));
     json_open(json, "bounds", '[');
     put_position(json, NULL, check->pipeline->scene, part->lo);
     put_position(json, NULL, check->pipeline->scene, part->hi);
