@@ -136,6 +136,9 @@ static bool build_surfaces(Pipeline *pipeline, bool last, Error *err)
                                              &session->monitor, &found);
     if (cut && pipeline->surfaces != NULL)
         imprint_finish(&imprint, pipeline->surfaces);
+    if (cut && pipeline->surfaces != NULL
+        && !imprint_curved(pipeline->surfaces, last ? &session->monitor : NULL, &found))
+        pipeline->surfaces = surfaces_destroy(pipeline->surfaces);
     imprint_clear(&imprint);
     /* The mesh knows no file; whoever reads the message needs its name. */
     if (found.code == ERROR_INPUT && !error_is_set(err))

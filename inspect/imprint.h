@@ -13,7 +13,8 @@
  *
  * Cuts run on across the whole face where that makes few pieces, so that the pieces of a rectangle
  * are rectangles, edge to edge; otherwise only as far as they must.
- * Not cut: curved faces, and faces by curved ones; faces so small that millions would come of it.
+ * Not cut: faces so small that millions would come of it. Curved faces, and faces that curved ones
+ * meet, stay whole here: their patches are parted, exactly along the curve (imprint_curved).
  */
 #ifndef INSPECT_IMPRINT_H
 #define INSPECT_IMPRINT_H
@@ -63,5 +64,9 @@ void imprint_clear(Imprint *imprint);
  * go on smoothly below a standing face are no neighbours any more, so that no patch grows and no
  * value is smoothed across. */
 void imprint_finish(const Imprint *imprint, Surfaces *surfaces);
+
+/* Finds where curved surfaces meet others: fills in surfaces->slicer, cut and cut_first, once.
+ * fails  false; ERROR_MEMORY. */
+bool imprint_curved(Surfaces *surfaces, const Monitor *monitor, Error *err);
 
 #endif

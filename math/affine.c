@@ -58,6 +58,25 @@ double affine_determinant(const Affine *a)
     return vec3_dot(a->x, vec3_cross(a->y, a->z));
 }
 
+/* Root of the greatest eigenvalue of M^T M, by the cosines of the characteristic cubic's angle
+ * [smith61]. Where two eigenvalues meet, an arc cosine near pi loses half of the digits. */
+double affine_stretch(const Affine *a)
+{
+    assert(a != NULL);
+    const double xx = vec3_dot(a->x, a->x), yy = vec3_dot(a->y, a->y), zz = vec3_dot(a->z, a->z);
+    const double xy = vec3_dot(a->x, a->y), yz = vec3_dot(a->y, a->z), zx = vec3_dot(a->z, a->x);
+    const double mean = (xx + yy + zz) / 3, dx = xx - mean, dy = yy - mean, dz = zz - mean;
+    const double p = sqrt((dx * dx + dy * dy + dz * dz +
+                           2 * (xy * xy + yz * yz + zx * zx)) / 6);
+    const double more = 1 + sqrt(rounding_bound(32));
+    if (!(p > 0))
+        return sqrt(mean) * more;
+    const double det = dx * (dy * dz - yz * yz) - xy * (xy * dz - yz * zx) +
+                       zx * (xy * yz - dy * zx);
+    const double half = fmin(fmax(det / (p * p * p) / 2, -1), 1);
+    return sqrt(mean + 2 * p * cos(acos(half) / 3)) * more;
+}
+
 /* Divides a column by the power of two nearest below its length, so that products of columns
  * neither overflow nor underflow; exact. *scale is what it was divided by. */
 static bool column_normalise(Vec3 *column, double *scale)

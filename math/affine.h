@@ -31,6 +31,8 @@ Affine affine_then(const Affine *first, const Affine *second);
 /* Degrees, right-handed, about the x, y or z axis (0, 1, 2). */
 Affine affine_rotation(int axis, double degrees);
 double affine_determinant(const Affine *a);
+/* How many times longer a vector becomes at most; off by rounding only, never too small. */
+double affine_stretch(const Affine *a);
 /* The inverse; false, and *out untouched, when the map has none (or one that is not finite). */
 bool affine_invert(const Affine *a, Affine *out);
 /* Transforms a normal: M^-T n, not normalised, given the inverse of the map. */

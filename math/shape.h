@@ -45,6 +45,14 @@ Vec3 shape_normal(const Shape *shape, double u, double v);
 double shape_density(const Shape *shape, double u, double v);
 /* Area of the part u0..u1, v0..v1 by adaptive Gauss-Legendre quadrature, relative error < 1e-9. */
 double shape_area(const Shape *shape, double u0, double u1, double v0, double v1);
+/* How far p is outside of the shape, measured in its unit form: < 0 inside. A frustum's coat goes
+ * on without end (but not beyond its tip), a disc is its whole plane with the normal outwards.
+ * Never more than the distance there, and over a way of length 1 there it changes by no more than
+ * 1. */
+double shape_outside(const Shape *shape, Vec3 p);
+/* Radius of a ball, in the world, about the point in the middle of u0..u1, v0..v1 that holds this
+ * part of the shape. */
+double shape_reach(const Shape *shape, double u0, double u1, double v0, double v1);
 /* Corners of the axis-parallel box around the whole shape. */
 void shape_bounds(const Shape *shape, Vec3 *lo, Vec3 *hi);
 /* Parameters of the point of the shape nearest to p, p on it up to rounding. */

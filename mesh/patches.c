@@ -213,7 +213,8 @@ Patches *patches_create(const Surfaces *surfaces, const PatchOptions *options,
     if (b.out == NULL)
         return NULL;
     const bool ok = patches_allocate_surfaces(&b) && patches_divide(&b, options, monitor)
-                 && order_blocks(&b) && patches_find_edges(&b) && patches_build(&b);
+                 && order_blocks(&b) && patches_find_edges(&b) && patches_build(&b)
+                 && patches_part(&b, NULL, NULL);
     patches_builder_clear(&b);
     return ok ? b.out : patches_destroy(b.out);
 }
@@ -242,6 +243,10 @@ Patches *patches_destroy(Patches *patches)
     array_free(patches->nu);
     array_free(patches->nv);
     array_free(patches->tree);
+    array_free(patches->parted);
+    array_free(patches->part_slicer);
+    array_free(patches->part);
+    array_free(patches->part_of);
     for (unsigned side = 0; side < 2; side++) {
         array_free(patches->first[side]);
         array_free(patches->first_face[side]);

@@ -14,11 +14,16 @@
  *                 into (2i,2j) (2i+1,2j) (2i,2j+1) and upper (2i,2j); an upper one into upper
  *                 (2i+1,2j) (2i,2j+1) (2i+1,2j+1) and lower (2i+1,2j+1); in that order
  *
+ * A cell that other surfaces part (mesh/slicers.h) is several patches, its parts: those of its
+ * places that lie on the same sides of all that part it. Places within rounding of what parts a
+ * cell belong to no patch.
+ *
  * Cells of one side of one surface are numbered in a row, base cells in the order
  *   quad, shape   j * nu + i
  *   triangle      n^2 - (n-j)^2 + 2 i + upper
- * and a divided one gives way to its quarters. Cell c there is patch first + c and face
- * first_face + c; a piece of a merged patch is cell 0.
+ * and a divided one gives way to its quarters, a parted one to its parts, which need not follow
+ * each other. Cell or part c there is patch first + c and face first_face + c; a piece of a merged
+ * patch is cell 0.
  *
  * Faces are what is drawn and written: polygons between vertices, one per cell. Vertices carry
  * values (radiosity is smoothed to them): faces that continue each other smoothly on the same side
@@ -40,6 +45,7 @@
 
 #define PATCH_NONE UINT32_MAX
 #define PATCH_DIVIDED 0x80000000u
+#define PATCH_PARTED 0x40000000u
 
 enum {
     PATCH_LEVELS = 12,  /* times a base cell can be quartered */
@@ -60,6 +66,24 @@ typedef struct {
     uint32_t i, j;
     uint8_t  upper, level;
 } PatchCell;
+
+/* A cell that is parted. */
+typedef struct {
+    uint32_t first_slicer; /* index into Patches.part_slicer */
+    uint32_t first_part;   /* index into Patches.part */
+    uint16_t slicers, parts;
+} PatchParted;
+
+/* One part of a cell; in the cell's square [0,1]^2, which triangles fold up, it lies within
+ * a0..a1, b0..b1. */
+typedef struct {
+    uint32_t patch;
+    uint32_t parted;       /* index into Patches.parted */
+    uint32_t signs;        /* as slicer_signs gives them */
+    float    a0, a1, b0, b1;
+    double   s, t;         /* a place that belongs to it */
+    double   share;        /* of the square */
+} PatchPart;
 
 typedef struct {
     uint32_t  count;
@@ -93,11 +117,18 @@ typedef struct {
     uint32_t *first_face[2]; /* [surface_count]  face of cell 0 */
     uint16_t *nu, *nv;     /* [surface_count]  base divisions; triangles: nu = nv */
     /* quadtrees: tree[tree_first[side][surface] + base cell] is a cell's number, or, with
-     * PATCH_DIVIDED set, where in tree its four quarters stand; tree_first is PATCH_NONE where
-     * nothing is divided */
+     * PATCH_DIVIDED set, where in tree its four quarters stand, or, with PATCH_PARTED set where
+     * parted_count > 0, an index into parted; tree_first is PATCH_NONE where nothing is divided nor
+     * parted */
     uint32_t *tree_first[2]; /* [surface_count] */
     uint32_t *tree;        /* [tree_count] */
     uint32_t  tree_count;
+    uint32_t  parted_count;
+    PatchParted *parted;   /* [parted_count] */
+    uint32_t *part_slicer; /* indices into surfaces->slicer */
+    uint32_t  part_count;
+    PatchPart *part;       /* [part_count] */
+    uint32_t *part_of;     /* [count]  the part that a patch is, or PATCH_NONE; NULL without any */
     double    size;        /* the patch edge that was used */
     double    total_area;
 } Patches;
@@ -117,15 +148,16 @@ Patches *patches_destroy(Patches *patches);
 Patches *patches_split(const Patches *patches, const Surfaces *surfaces, const uint8_t *split,
                        uint32_t **parent, Error *err);
 
-/* Patch at (s, t) of a surface's side, or PATCH_NONE when that side is not in use. s and t may be
- * off [0,1] by rounding.
+/* Patch at (s, t) of a surface's side, or PATCH_NONE when that side is not in use or the place lies
+ * within rounding of what parts its cell. s and t may be off [0,1] by rounding.
  * hot    checks nothing in release builds. */
 uint32_t patches_at(const Patches *patches, const Surfaces *surfaces, uint32_t surface,
                     unsigned side, double s, double t);
 
 /* A point of patch i for (a, b) in [0,1)^2, with the (s, t) it lies at. On shapes and bent quads
  * points are not area-uniform: weight them by density * (range of (s,t)) / area.
- * `weight` gets that factor; its mean over (a, b) is 1. On a merged patch `a` chooses the piece, by
+ * `weight` gets that factor; its mean over (a, b) is 1. On a part of a cell points are shifted
+ * until they lie in it. On a merged patch `a` chooses the piece, by
  * area, and what the choice leaves of it goes on. normal points out of the patch's side. */
 typedef struct {
     SurfacePoint point;
@@ -144,10 +176,11 @@ double patches_weight(const Patches *patches, const Surfaces *surfaces, uint32_t
 double patches_extent(const Patches *patches, const Surfaces *surfaces, uint32_t patch);
 
 /* Vertices and weights (sum 1) that interpolate vertex values at (s, t) of a surface's side;
- * returns how many, 0 for an unused side. Continuous over all smooth edges, linear between
- * neighbouring vertices along an edge, T-vertices included (a Coons patch [coons67]; without
- * T-vertices bilinear, on triangles linear); exact for linear functions on flat parallelograms and
- * triangles. Weights can be a little negative beside T-vertices. */
+ * returns how many, 0 for an unused side or a place of no patch. Continuous over all smooth edges,
+ * linear between neighbouring vertices along an edge, T-vertices included (a Coons patch [coons67];
+ * without T-vertices bilinear, on triangles linear); exact for linear functions on flat
+ * parallelograms and triangles. Weights can be a little negative beside T-vertices. On parts of
+ * cells, values of corners that belong to another part are replaced by one of their own. */
 int patches_interpolate(const Patches *patches, const Surfaces *surfaces, uint32_t surface,
                         unsigned side, double s, double t, uint32_t vertex[PATCH_WEIGHTS],
                         double weight[PATCH_WEIGHTS]);

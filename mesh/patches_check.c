@@ -67,7 +67,8 @@ static bool check_merged(const Patches *p, const Surfaces *s, uint32_t patch)
 static bool check_face(const Patches *p, uint32_t face)
 {
     const uint32_t first = p->first_corner[face], end = p->first_corner[face + 1];
-    if (end < first || end - first < 3 || p->corner_along[first] != 0)
+    const bool parted = p->part_of != NULL && p->part_of[p->face_patch[face]] != PATCH_NONE;
+    if (end < first || end - first < 3 || (!parted && p->corner_along[first] != 0))
         return false;
     for (uint32_t k = first; k < end; k++) {
         const uint32_t next = k + 1 < end ? k + 1 : first;
@@ -84,7 +85,7 @@ static bool check_faces(const Patches *p)
         return false;
     for (uint32_t face = 0; face < p->face_count; face++) {
         const uint32_t patch = p->face_patch[face];
-        if (!check_face(p, face) || patch >= p->count || face < p->face_of[patch])
+        if (patch >= p->count || face < p->face_of[patch] || !check_face(p, face))
             return false;
         const uint32_t pieces = p->first_piece[patch + 1] - p->first_piece[patch];
         if (face - p->face_of[patch] >= (pieces == 0 ? 1 : pieces))
@@ -146,11 +147,29 @@ static bool check_sides(const Patches *p, const Surfaces *s)
     return patches == p->count && pieces == p->first_piece[p->count];
 }
 
+/* Parts and patches name each other, and all parts of a cell are on its side. */
+static bool check_parts(const Patches *p)
+{
+    for (uint32_t k = 0; k < p->part_count; k++) {
+        const PatchPart *part = &p->part[k];
+        if (part->patch >= p->count || p->part_of[part->patch] != k
+            || part->parted >= p->parted_count || !(part->share > 0))
+            return false;
+        const PatchParted *parted = &p->parted[part->parted];
+        const uint32_t first = p->part[parted->first_part].patch;
+        if (k - parted->first_part >= parted->parts
+            || p->surface[part->patch] != p->surface[first]
+            || p->side[part->patch] != p->side[first])
+            return false;
+    }
+    return true;
+}
+
 bool patches_check(const Patches *patches, const Surfaces *surfaces)
 {
     assert(patches != NULL && surfaces != NULL);
     if (patches->surface_count != surfaces->count || !check_tree(patches)
-        || !check_sides(patches, surfaces) || !check_faces(patches))
+        || !check_sides(patches, surfaces) || !check_faces(patches) || !check_parts(patches))
         return false;
     for (uint32_t i = 0; i < patches->count; i++)
         if (!check_patch(patches, surfaces, i) || !check_lookup(patches, surfaces, i))

@@ -81,6 +81,13 @@ static inline bool patches_is_merged(const Patches *p, uint32_t patch)
     return p->first_piece[patch + 1] > p->first_piece[patch];
 }
 
+/* The part of a cell that a patch is, or NULL. */
+static inline const PatchPart *patches_part_of(const Patches *p, uint32_t patch)
+{
+    return p->part_of == NULL || p->part_of[patch] == PATCH_NONE ? NULL
+                                                                 : &p->part[p->part_of[patch]];
+}
+
 /* Whether (s, t) runs clockwise seen from the side. Normals are defined by the solid, not by the
  * parameters: a disc's angle and radius turn the other way than its normal, and a mirroring map
  * turns any shape. */
@@ -109,7 +116,7 @@ PatchCell patches_cell_parent(bool triangle, PatchCell cell, unsigned *q);
 /* Cell at interval m of edge k, where the cells of `level` are nu x nv. */
 PatchCell patches_edge_cell(bool triangle, uint32_t nu, uint32_t nv, unsigned k, uint32_t m,
                             unsigned level);
-/* Number of cells of a side of a surface, divided or not. */
+/* Number of cells of a side of a surface, divided or not; parts count, not what is parted. */
 uint32_t patches_side_cells(const Patches *p, const Surfaces *s, uint32_t surface, unsigned side);
 /* All of them, by number: cell [patches_side_cells]. */
 void patches_fill_cells(const Patches *p, const Surfaces *s, uint32_t surface, unsigned side,
@@ -183,6 +190,36 @@ bool patches_make_faces(PatchBuilder *b);
 /* patches_measure.c: areas, centres, normals. */
 void patches_measure(PatchBuilder *b);
 
+/* patches_part.c: makes parts of the cells that other surfaces part, each a patch, after all else
+ * is there. When `old` was divided, *parent, [out->count], goes with the new patches, and each
+ * patch of `old` stays the parent of one at least; they are put in the order of their parents. */
+bool patches_part(PatchBuilder *b, const Patches *old, uint32_t **parent);
+
+/* patches_part_cell.c: the parts of one cell. */
+enum { PART_SLICERS = 24, PARTS_MOST = 32, PARTS_ROOM = 96 };
+typedef struct {
+    const Surfaces *surfaces;
+    uint32_t  surface;
+    PatchCell cell;
+    double    nu, nv;              /* cells of its level */
+    uint32_t  slicer[PART_SLICERS];
+    uint32_t  slicers;
+    PatchPart part[PARTS_ROOM];    /* share, box, place and signs are filled in */
+    double    area[PARTS_ROOM];    /* relative to each other */
+    double    widest[PARTS_ROOM];  /* scratch: share whose middle is the place */
+    double    mean[PARTS_ROOM][2]; /* scratch: of a, b */
+    uint32_t  parts;
+} PartedCell;
+/* Fills in all from `slicers` on, with surface and cell given; `kept` slicers, known to part what
+ * the cell was a part of, are taken whenever they cross it. No parts: the cell is whole. */
+void patches_part_cell(PartedCell *c, const uint32_t *kept, uint32_t kept_count);
+/* Adds a part for a place that should have one: with the signs there, or, where another part has
+ * these, with none that any place has. False: PARTS_ROOM are there. */
+bool patches_part_add(PartedCell *c, double s, double t);
+/* Place in the surface of (a, b) in a cell's square. */
+void patches_cell_place(bool triangle, PatchCell cell, double nu, double nv, double a, double b,
+                        double *s, double *t);
+
 /* patches_balance.c: divides cells in out->tree, and more of them where balance asks for it. */
 typedef struct {
     uint32_t  surface;
@@ -210,6 +247,10 @@ bool merge_split(const Surfaces *surfaces, unsigned side, const uint32_t *piece,
                  uint32_t *part, uint32_t *parts, Error *err);
 
 /* --- where (s, t) is (patches_query.c, patches_interpolate.c) --------------------------------- */
+
+/* The part of a parted cell, given as a tree's leaf, that (s, t) belongs to, or NULL. */
+const PatchPart *patches_part_at(const Patches *p, const Surfaces *surfaces, uint32_t surface,
+                                 uint32_t leaf, double s, double t);
 
 /* Cell of x in 0 .. n - 1; outside, the nearest one; a NaN gives 0. */
 static inline uint32_t patches_cell_of(double x, uint32_t n)

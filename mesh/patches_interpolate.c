@@ -144,18 +144,51 @@ static int bent_triangle(const Patches *p, uint32_t face, uint32_t vertex[PATCH_
     return bend_edges(edge, 3, vertex, weight);
 }
 
+/* --- parts of cells --------------------------------------------------------------------------- */
+
+/* The cell's corners that belong to another part give way to a vertex of this one's own. */
+static int interpolate_part(const Patches *p, const PatchPart *part, unsigned corners,
+                            uint32_t vertex[PATCH_WEIGHTS])
+{
+    const uint32_t face = p->face_of[part->patch];
+    uint32_t own = PATCH_NONE;
+    for (unsigned k = 0; k < corners; k++)
+        vertex[k] = PATCH_NONE;
+    for (uint32_t c = p->first_corner[face]; c < p->first_corner[face + 1]; c++) {
+        const unsigned k = (unsigned)p->corner_along[c];
+        if (p->corner_along[c] == k)
+            vertex[k] = p->corner[c];
+        else if (own == PATCH_NONE)
+            own = p->corner[c];
+    }
+    if (own == PATCH_NONE)
+        own = p->corner[p->first_corner[face]];
+    for (unsigned k = 0; k < corners; k++)
+        vertex[k] = vertex[k] == PATCH_NONE ? own : vertex[k];
+    return (int)corners;
+}
+
+static bool is_parted(const Patches *p, uint32_t leaf)
+{
+    return p->parted_count > 0 && (leaf & PATCH_PARTED) != 0;
+}
+
 /* --- both kinds ------------------------------------------------------------------------------- */
 
-static int interpolate_triangle(const Patches *p, uint32_t surface, unsigned side, double s,
-                                double t, uint32_t vertex[PATCH_WEIGHTS],
+static int interpolate_triangle(const Patches *p, const Surfaces *surfaces, uint32_t surface,
+                                unsigned side, double s, double t, uint32_t vertex[PATCH_WEIGHTS],
                                 double weight[PATCH_WEIGHTS])
 {
     const Place at = place_in_triangle(p, surface, side, s, t);
-    const uint32_t face = p->first_face[side][surface] + at.cell;
-    const uint32_t first = p->first_corner[face];
     weight[1] = at.u;
     weight[2] = at.v;
     weight[0] = fmax(1 - weight[1] - weight[2], 0);
+    if (is_parted(p, at.cell)) {
+        const PatchPart *part = patches_part_at(p, surfaces, surface, at.cell, s, t);
+        return part == NULL ? 0 : interpolate_part(p, part, 3, vertex);
+    }
+    const uint32_t face = p->first_face[side][surface] + at.cell;
+    const uint32_t first = p->first_corner[face];
     if (p->first_corner[face + 1] - first != 3)
         return bent_triangle(p, face, vertex, weight);
     vertex[0] = p->corner[first];
@@ -173,14 +206,18 @@ int patches_interpolate(const Patches *patches, const Surfaces *surfaces, uint32
         return 0;
     const Surface *f = &surfaces->surface[surface];
     if (f->kind == SURFACE_TRIANGLE)
-        return interpolate_triangle(patches, surface, side, s, t, vertex, weight);
+        return interpolate_triangle(patches, surfaces, surface, side, s, t, vertex, weight);
     const Place at = place_in_quad(patches, surface, side, s, t);
-    const uint32_t face = patches->first_face[side][surface] + at.cell;
-    const uint32_t *corner = patches->corner + patches->first_corner[face];
     weight[0] = (1 - at.u) * (1 - at.v);
     weight[1] = at.u * (1 - at.v);
     weight[2] = at.u * at.v;
     weight[3] = (1 - at.u) * at.v;
+    if (is_parted(patches, at.cell)) {
+        const PatchPart *part = patches_part_at(patches, surfaces, surface, at.cell, s, t);
+        return part == NULL ? 0 : interpolate_part(patches, part, 4, vertex);
+    }
+    const uint32_t face = patches->first_face[side][surface] + at.cell;
+    const uint32_t *corner = patches->corner + patches->first_corner[face];
     /* A shape's cell at a pole has a corner less. */
     if (patches->first_corner[face + 1] - patches->first_corner[face] != 4
         || f->kind == SURFACE_SHAPE)

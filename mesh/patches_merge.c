@@ -59,7 +59,9 @@ static bool make_piece(const MergeSetup *setup, uint32_t surface, MergePiece *ou
     const Surface *f = &s->surface[surface];
     const double size = setup->size;
     Vec3 p[4];
-    if (f->kind == SURFACE_SHAPE || !(f->area > 0 && f->area < PIECE_AREA_MOST * size * size))
+    const uint32_t *cut = s->cut_first; /* what others part is divided, not merged */
+    if (f->kind == SURFACE_SHAPE || (cut != NULL && cut[surface + 1] > cut[surface])
+        || !(f->area > 0 && f->area < PIECE_AREA_MOST * size * size))
         return false;
     surface_corners(s, f, p);
     if (!has_short_edges(p, PIECE_EDGE_MOST * size))

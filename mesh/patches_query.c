@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "math/sampling.h"
+#include "mesh/slicers.h"
 #include "mesh/patches_internal.h"
 
 /* Points of a patch keep this far, in base cells, from its rim: (i + a) / n * n must fall into cell
@@ -31,6 +32,32 @@ static uint32_t triangle_at(const Patches *p, uint32_t surface, unsigned side, d
     return patches_walk_triangle(p->tree, p->tree[tree + base], upper, &u, &v);
 }
 
+const PatchPart *patches_part_at(const Patches *p, const Surfaces *surfaces, uint32_t surface,
+                                 uint32_t leaf, double s, double t)
+{
+    const PatchParted *parted = &p->parted[leaf & ~PATCH_PARTED];
+    SurfacePoint at;
+    uint32_t signs;
+    surfaces_point(surfaces, surface, s, t, &at);
+    if (!slicer_signs(surfaces, p->part_slicer + parted->first_slicer, parted->slicers, at.point,
+                      &signs))
+        return NULL;
+    for (uint32_t k = parted->first_part; k < parted->first_part + parted->parts; k++)
+        if (p->part[k].signs == signs)
+            return &p->part[k];
+    return NULL;
+}
+
+/* Of a tree's leaf, or a cell's number. */
+static inline uint32_t patch_of_leaf(const Patches *p, const Surfaces *surfaces, uint32_t surface,
+                                     uint32_t first, uint32_t leaf, double s, double t)
+{
+    if (p->parted_count == 0 || (leaf & PATCH_PARTED) == 0)
+        return first + leaf;
+    const PatchPart *part = patches_part_at(p, surfaces, surface, leaf, s, t);
+    return part == NULL ? PATCH_NONE : part->patch;
+}
+
 uint32_t patches_at(const Patches *patches, const Surfaces *surfaces, uint32_t surface,
                     unsigned side, double s, double t)
 {
@@ -38,7 +65,8 @@ uint32_t patches_at(const Patches *patches, const Surfaces *surfaces, uint32_t s
     if (first == PATCH_NONE)
         return PATCH_NONE;
     if (surfaces->surface[surface].kind == SURFACE_TRIANGLE)
-        return first + triangle_at(patches, surface, side, s, t);
+        return patch_of_leaf(patches, surfaces, surface, first,
+                             triangle_at(patches, surface, side, s, t), s, t);
     const uint32_t nu = patches->nu[surface], nv = patches->nv[surface];
     const uint32_t tree = side_tree(patches, surface, side);
     const uint32_t i = patches_cell_of(s * nu, nu), j = patches_cell_of(t * nv, nv);
@@ -46,10 +74,43 @@ uint32_t patches_at(const Patches *patches, const Surfaces *surfaces, uint32_t s
     if (tree == PATCH_NONE)
         return first + base;
     double u = s * nu - i, v = t * nv - j;
-    return first + patches_walk_quad(patches->tree, patches->tree[tree + base], &u, &v);
+    const uint32_t leaf = patches_walk_quad(patches->tree, patches->tree[tree + base], &u, &v);
+    return patch_of_leaf(patches, surfaces, surface, first, leaf, s, t);
 }
 
 static double keep_inside(double a, double margin) { return fmin(fmax(a, margin), 1 - margin); }
+
+/* (a, b) shifted until it lies in the part, by steps of the sequence that fills squares most evenly
+ * [roberts18]: all of the part is as likely as before. A part that fills less than 1 % of its box
+ * may be missed; then its own place stands for it. */
+static void part_place(const PatchPart *part, const PatchParted *parted, const Patches *p,
+                       const Surfaces *surfaces, uint32_t patch, double a, double b,
+                       PatchPoint *out)
+{
+    enum { TRIES = 256 };
+    static const double step[2] = { 0.75487766624669276, 0.56984029099805327 };
+    const uint32_t surface = p->surface[patch];
+    const bool triangle = surfaces->surface[surface].kind == SURFACE_TRIANGLE;
+    const double nu = ldexp(p->nu[surface], p->cell[patch].level);
+    const double nv = ldexp(p->nv[surface], p->cell[patch].level);
+    const double margin = ldexp(CELL_MARGIN, p->cell[patch].level);
+    for (unsigned k = 0; k < TRIES; k++) {
+        const double x = a + k * step[0], y = b + k * step[1];
+        const double u = part->a0 + (x - floor(x)) * (double)(part->a1 - part->a0);
+        const double v = part->b0 + (y - floor(y)) * (double)(part->b1 - part->b0);
+        uint32_t signs;
+        patches_cell_place(triangle, p->cell[patch], nu, nv, keep_inside(u, margin),
+                           keep_inside(v, margin), &out->s, &out->t);
+        surfaces_point(surfaces, surface, out->s, out->t, &out->point);
+        if (slicer_signs(surfaces, p->part_slicer + parted->first_slicer, parted->slicers,
+                         out->point.point, &signs)
+            && signs == part->signs)
+            return;
+    }
+    out->s = part->s;
+    out->t = part->t;
+    surfaces_point(surfaces, surface, out->s, out->t, &out->point);
+}
 
 static void triangle_cell_point(PatchCell cell, double n, double margin, double a, double b,
                                 double *s, double *t)
@@ -96,17 +157,22 @@ void patches_point(const Patches *patches, const Surfaces *surfaces, uint32_t pa
     const double scale = (double)(1u << cell.level), margin = CELL_MARGIN * scale;
     const double nu = patches->nu[surface] * scale, nv = patches->nv[surface] * scale;
     const bool triangle = surfaces->surface[surface].kind == SURFACE_TRIANGLE;
-    if (triangle) {
+    const PatchPart *part = patches_part_of(patches, patch);
+    if (part != NULL) {
+        part_place(part, &patches->parted[part->parted], patches, surfaces, patch, a, b, out);
+    } else if (triangle) {
         triangle_cell_point(cell, nu, margin, a, b, &out->s, &out->t);
     } else {
         out->s = (cell.i + keep_inside(a, margin)) / nu;
         out->t = (cell.j + keep_inside(b, margin)) / nv;
     }
-    surfaces_point(surfaces, surface, out->s, out->t, &out->point);
+    if (part == NULL)
+        surfaces_point(surfaces, surface, out->s, out->t, &out->point);
     if (patches->side[patch] == 1)
         out->point.normal = vec3_scale(out->point.normal, -1);
     out->surface = surface;
-    out->weight = triangle ? 1 : out->point.density
+    const double share = part == NULL ? 1 : part->share;
+    out->weight = triangle ? 1 : share * out->point.density
                                      / (nu * nv * sampled_area(patches, surfaces, patch, surface));
 }
 
@@ -119,7 +185,9 @@ double patches_weight(const Patches *patches, const Surfaces *surfaces, uint32_t
     surfaces_point(surfaces, surface, s, t, &at);
     const double scale = (double)(1u << patches->cell[patch].level);
     const double cells = (patches->nu[surface] * scale) * (patches->nv[surface] * scale);
-    return at.density / (cells * sampled_area(patches, surfaces, patch, surface));
+    const PatchPart *part = patches_part_of(patches, patch);
+    const double share = part == NULL ? 1 : part->share;
+    return share * at.density / (cells * sampled_area(patches, surfaces, patch, surface));
 }
 
 /* --- extent ----------------------------------------------------------------------------------- */

@@ -21,6 +21,19 @@ typedef struct {
 
 /* --- from the old patches --------------------------------------------------------------------- */
 
+/* Parted cells stand in the tree as the first of their parts, until they are parted again. */
+static void join_parts(Splitter *s)
+{
+    const Patches *old = s->old;
+    for (uint32_t k = 0; old->parted_count > 0 && k < old->tree_count; k++) {
+        uint32_t *node = &s->b.out->tree[k];
+        if ((*node & PATCH_DIVIDED) != 0 || (*node & PATCH_PARTED) == 0)
+            continue;
+        const uint32_t patch = old->part[old->parted[*node & ~PATCH_PARTED].first_part].patch;
+        *node = patch - old->first[old->side[patch]][old->surface[patch]];
+    }
+}
+
 static bool copy_old(Splitter *s)
 {
     PatchBuilder *b = &s->b;
@@ -37,6 +50,7 @@ static bool copy_old(Splitter *s)
     b->out->size = old->size;
     b->out->tree_count = old->tree_count;
     memcpy(b->out->tree, old->tree, old->tree_count * sizeof *old->tree);
+    join_parts(s);
     memcpy(b->out->nu, old->nu, n * sizeof *old->nu);
     memcpy(b->out->nv, old->nv, n * sizeof *old->nv);
     for (unsigned side = 0; side < 2; side++) {
@@ -184,9 +198,10 @@ Patches *patches_split(const Patches *patches, const Surfaces *surfaces, const u
     s.b.out = array_create(1, sizeof *s.b.out, "patches", err);
     if (s.b.out == NULL)
         return NULL;
-    const bool ok = copy_old(&s) && patches_find_edges(&s.b) && divide_cells(&s)
+    bool ok = copy_old(&s) && patches_find_edges(&s.b) && divide_cells(&s)
                  && order_blocks(&s) && patches_build(&s.b);
     assert(!ok || s.parent_count == s.b.out->count);
+    ok = ok && patches_part(&s.b, patches, &s.parent);
     patches_builder_clear(&s.b);
     array_free(s.forest.wish);
     array_free(s.sides);

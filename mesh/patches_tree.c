@@ -75,13 +75,14 @@ PatchCell patches_edge_cell(bool triangle, uint32_t nu, uint32_t nv, unsigned k,
     return cell;
 }
 
-static uint32_t count_leaves(const uint32_t *tree, uint32_t node)
+static uint32_t count_leaves(const Patches *p, uint32_t node)
 {
     if (!(node & PATCH_DIVIDED))
-        return 1;
+        return p->parted_count > 0 && (node & PATCH_PARTED) != 0
+             ? p->parted[node & ~PATCH_PARTED].parts : 1;
     uint32_t count = 0;
     for (uint32_t q = 0; q < 4; q++)
-        count += count_leaves(tree, tree[(node & ~PATCH_DIVIDED) + q]);
+        count += count_leaves(p, p->tree[(node & ~PATCH_DIVIDED) + q]);
     return count;
 }
 
@@ -93,7 +94,7 @@ uint32_t patches_side_cells(const Patches *p, const Surfaces *s, uint32_t surfac
     if (first == PATCH_NONE)
         return base;
     for (uint32_t k = 0; k < base; k++)
-        count += count_leaves(p->tree, p->tree[first + k]);
+        count += count_leaves(p, p->tree[first + k]);
     return count;
 }
 

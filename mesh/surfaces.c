@@ -142,6 +142,9 @@ Surfaces *surfaces_destroy(Surfaces *surfaces)
         array_free(surfaces->part_closed);
         array_free(surfaces->shape);
         array_free(surfaces->shape_surface);
+        array_free(surfaces->cut_first);
+        array_free(surfaces->cut);
+        array_free(surfaces->slicer);
         array_free(surfaces);
     }
     return NULL;

@@ -55,6 +55,9 @@ typedef struct {
     double   fraction;      /* of the way along the edge, 0 < fraction < 1 */
 } Stitch;
 
+/* Another surface by whose side places of one are told apart (mesh/slicers.h). */
+typedef struct Slicer Slicer;
+
 /* What was found and done while connecting; all are counts. */
 typedef struct {
     uint32_t welded;        /* vertices that fell together with an earlier one */
@@ -94,6 +97,12 @@ typedef struct {
      * plates count as two; of the shapes spheres and tori */
     uint8_t  *part_closed;
     bool      closed;             /* all parts are closed */
+    /* surfaces that curved ones meet, found by imprint_curved: those that part surface i are
+     * slicer[cut[k]], k = cut_first[i] .. cut_first[i + 1] - 1; cut_first is NULL without any */
+    uint32_t *cut_first;          /* [count + 1] */
+    uint32_t *cut;                /* [cut_first[count]] */
+    Slicer   *slicer;             /* [slicer_count] */
+    uint32_t  slicer_count;
     Repairs   repairs;
 } Surfaces;
 

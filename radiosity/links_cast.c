@@ -144,7 +144,7 @@ void row_cast_judge(RowCast *row, const Room *room)
                                                &end->surface, &end->s, &end->t);
         end->escaped = end->escaped || (room->sides_given && end->patch == PATCH_NONE);
         if (!end->escaped && end->patch == PATCH_NONE) {
-            p->bad++;
+            p->bad += !visible_side_used(room, &row->hit[k], ray_direction(&row->ray[k]));
         } else if (end->escaped || !visible_at_seam(room, end->surface, end->s, end->t)) {
             if (p->good++ == 0 && p->first != k)
                 place_at(room, row->patch, row->place[k], &p->at);

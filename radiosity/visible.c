@@ -79,6 +79,14 @@ bool visible_at_seam(const Room *room, uint32_t surface, double s, double t)
     return false;
 }
 
+bool visible_side_used(const Room *room, const Hit *hit, Vec3 direction)
+{
+    const Vec3 front = surfaces_normal(room->surfaces, hit->primitive, hit->u, hit->v);
+    const unsigned side = vec3_dot(front, direction) > 0 ? 1 : 0;
+    const uint32_t surface = surfaces_of_primitive(room->surfaces, hit->primitive);
+    return room->patches->first[side][surface] != PATCH_NONE;
+}
+
 void visible_move(const Room *room, PatchPoint *at)
 {
     const Surface *f = &room->surfaces->surface[at->surface];

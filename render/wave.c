@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Light at many points: lamp samples with controls, cosine rays, a step further near corners. */
+#include "radiosity/visible.h"
 #include "render/wave.h"
 
 #include <assert.h>
@@ -168,7 +169,9 @@ double wave_nearness(const Gatherer *gatherer, const WaveEnd *end, const Hit *hi
     const Room    *room = gatherer->room;
     const uint32_t patch = patches_at(room->patches, room->surfaces, end->surface, end->side,
                                       end->s, end->t);
-    const float    x = 2 - hit->t / gatherer->extent[patch];
+    if (patch == PATCH_NONE)
+        return 0;
+    const float x = 2 - hit->t / gatherer->extent[patch];
     return x <= 0 ? 0 : x >= 1 ? 1 : (double)(x * x * (3 - 2 * x));
 }
 
@@ -279,7 +282,8 @@ static uint32_t read_end(Wave *wave, unsigned level, uint32_t k, uint32_t rays,
     const Room      *room = g->room;
     const WavePoint *p = &wave->point[level][wave->owner[k]];
     const WaveEnd    end = wave_end(g, &wave->ray[k], &wave->hit[k]);
-    if (room->patches->first[end.side][end.surface] == PATCH_NONE)
+    if (room->patches->first[end.side][end.surface] == PATCH_NONE
+        || visible_at_seam(room, end.surface, end.s, end.t))
         return next;
     const double worth = wave->worth[k] / rays;
     if (g->lamps.shared && room->emitting[end.surface] >> end.side & 1)

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # How much light gets out of a closed box with a lamp in it, and into a dark room beside a bright
-# one: none, whatever the thickness of the walls and the size of the patches.
+# one, with flat walls and with curved ones: none, whatever the thickness of the walls and the size
+# of the patches.
 # tests/accuracy/leaks.sh PROGRAM [quick]
 set -u
 ISOLUX=${1:?names the program}
@@ -26,11 +27,31 @@ awk 'BEGIN { for (x = 2.02; x < 4; x += 0.06) for (y = 0.05; y < 3; y += 0.1) {
     for (y = 0.05; y < 3; y += 0.1) for (z = 0.05; z < 2.5; z += 0.1) print "2," y "," z ",1,0,0"
     for (x = 2.02; x < 2.6; x += 0.06) print x ",1.5,0.74,0,0,1" }' >"$DIR/rooms.csv"
 
-for scene in box rooms; do
+# Points in the dark room of curved things: floor and ceiling, walls, and close to all of these.
+awk 'function ring(x, y, r, z, n,  k, t) { for (k = 0; k < n; k++) { t = 2 * PI * k / n
+        printf "%.9g,%.9g,%.9g,0,0,1\n", x + r * cos(t), y + r * sin(t), z } }
+    function coat(x, y, r, z, n,  k, t) { for (k = 0; k < n; k++) { t = 2 * PI * k / n
+        printf "%.9g,%.9g,%.9g,%.9g,%.9g,0\n", x + r * cos(t), y + r * sin(t), z, cos(t), sin(t) } }
+    function off(x, y, a, b, r) { return (x - a) ^ 2 + (y - b) ^ 2 > r * r }
+    BEGIN { PI = atan2(0, -1)
+    for (x = 0.07; x < 4; x += 0.13) for (y = 0.05; y < 3; y += 0.13) {
+        if (off(x, y, 2.73, 2.17, 0.44) && off(x, y, 1.1, 0.7, 0.66)) print x "," y ",0,0,0,1"
+        print x "," y ",2.5,0,0,-1" }
+    for (y = 0.05; y < 3; y += 0.1) for (z = 0.05; z < 2.5; z += 0.1)
+        if (off(y, z, 1.4, 1.2, 0.51) && off(y, z, 2.44, 0.52, 0.21)) print "0," y "," z ",1,0,0"
+    for (k = 0; k < 60; k++) { t = PI * k / 30
+        print "0," 1.4 + 0.5 * cos(t) "," 1.2 + 0.5 * sin(t) ",1,0,0" }
+    ring(2.73, 2.17, 0.433, 0, 100); ring(1.1, 0.7, 0.645, 0, 100)
+    ring(2.73, 2.17, 0.4, 0.9001, 20)
+    for (z = 0.01; z < 0.9; z += 0.2) coat(2.73, 2.17, 0.4301, z, 30)
+    coat(3.1, 0.8, 0.2001, 1.4, 20); coat(3.1, 0.8, 0.2001, 2.35, 20) }' >"$DIR/curved.csv"
+
+for scene in box rooms curved; do
     printf '%s: most lux where there should be none\n%10s' "leak-$scene.msd" "wall \\ size"
     for size in $SIZES; do printf '%10s' "$size"; done
     echo
-    for t in $THICK; do
+    # What is curved has no thickness.
+    for t in $([ $scene = curved ] && echo 0 || echo "$THICK"); do
         printf '%10s ' "$t"
         sed "s/^FLOAT t = [0-9.]*/FLOAT t = $t/" "$FILES/leak-$scene.msd" >"$DIR/$scene.msd"
         for size in $SIZES; do
