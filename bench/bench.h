@@ -21,7 +21,7 @@ typedef struct {
     double    fov; /* degrees, upright */
 } Model;
 
-/* `name`: "cornell", "cornell100k", "room", or a scene file.
+/* `name`: "cornell", "cornell100k", "room", "room12m", or a scene file.
  * owns  the caller clears with model_clear. */
 bool model_read(Model *model, const char *name, Error *err);
 void model_clear(Model *model);

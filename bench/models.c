@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Scenes to measure on: files, the Cornell box, the same in 100,000 triangles, and a room full of
- * balls and rings of 1.25 million small triangles. */
+ * balls and rings of 1.25 million small triangles, and the same of 12.5 million. */
 #include <assert.h>
 #include <math.h>
 #include <stdio.h>
@@ -115,33 +115,36 @@ static void add_wall(Model *m, Vec3 o, Vec3 u, Vec3 v, double step)
     add_cells(m, first, nu, nv);
 }
 
-/* A ball (tube 0) or a ring, turned at random. */
-static void add_round(Model *m, Vec3 centre, double radius, double tube, Random *r)
+/* A ball (tube 0) or a ring of 2 `along` * `along` squares, turned at random. */
+static void add_round(Model *m, Vec3 centre, double radius, double tube, uint32_t along, Random *r)
 {
-    enum { AROUND = 100, ALONG = 50 };
+    const uint32_t around = 2 * along;
     const double z = 2 * unit(r) - 1, angle = 2 * M_PI * unit(r), flat = sqrt(1 - z * z);
     const Vec3 n = vec3(flat * cos(angle), flat * sin(angle), z);
     const uint32_t first = m->vertex_count;
     Vec3 s, t;
     vec3_frame(n, &s, &t);
-    for (int j = 0; j <= ALONG; j++)
-        for (int i = 0; i <= AROUND; i++) {
-            const double a = 2 * M_PI * i / AROUND;
-            const double b = tube > 0 ? 2 * M_PI * j / ALONG : M_PI * j / ALONG - M_PI / 2;
+    for (uint32_t j = 0; j <= along; j++)
+        for (uint32_t i = 0; i <= around; i++) {
+            const double a = 2 * M_PI * i / around;
+            const double b = tube > 0 ? 2 * M_PI * j / along : M_PI * j / along - M_PI / 2;
             const double out = tube > 0 ? radius + tube * cos(b) : radius * cos(b);
             const double up = (tube > 0 ? tube : radius) * sin(b);
             const Vec3 p = vec3_mad(vec3_mad(vec3_scale(s, out * cos(a)), out * sin(a), t), up, n);
             m->position[m->vertex_count++] = vec3_add(centre, p);
         }
-    add_cells(m, first, AROUND, ALONG);
+    add_cells(m, first, around, along);
 }
 
-static bool make_room(Model *m, Error *err)
+/* Walls of squares of side `step`, solids as in add_round. */
+static bool make_room(Model *m, double step, uint32_t along, Error *err)
 {
-    const double x = 10, y = 4, z = 8, step = 0.1;
+    const double x = 10, y = 4, z = 8;
     enum { SOLIDS = 120 };
     Random r = { 20 };
-    if (!model_reserve(m, 1u << 20, 1u << 21, err))
+    const uint32_t squares = (uint32_t)lround(2 * (x * y + y * z + z * x) / (step * step));
+    const uint32_t most = squares + SOLIDS * 2 * along * along;
+    if (!model_reserve(m, most + most / 8, 2 * most, err))
         return false;
     add_wall(m, vec3(0, 0, 0), vec3(0, 0, z), vec3(x, 0, 0), step);
     add_wall(m, vec3(0, y, 0), vec3(x, 0, 0), vec3(0, 0, z), step);
@@ -154,7 +157,7 @@ static bool make_room(Model *m, Error *err)
         const double jz = 0.3 * (unit(&r) - 0.5), size = 0.7 + 0.5 * unit(&r);
         const Vec3 at = vec3((i % 6 + 0.5 + jx) * x / 6, (i / 6 % 4 + 0.5 + jy) * y / 4,
                              (i / 24 + 0.5 + jz) * z / 5);
-        add_round(m, at, (i & 1 ? 0.28 : 0.35) * size, i & 1 ? 0.1 * size : 0, &r);
+        add_round(m, at, (i & 1 ? 0.28 : 0.35) * size, i & 1 ? 0.1 * size : 0, along, &r);
     }
     m->eye = vec3(0.1, 3.9, 0.1);
     m->target = vec3(6, 1.5, 5);
@@ -181,7 +184,9 @@ bool model_read(Model *model, const char *name, Error *err)
     const char *base = strrchr(name, '/');
     snprintf(model->name, sizeof model->name, "%s", base != NULL ? base + 1 : name);
     if (strcmp(name, "room") == 0)
-        make_room(model, err);
+        make_room(model, 0.1, 50, err);
+    else if (strcmp(name, "room12m") == 0)
+        make_room(model, 0.05, 160, err);
     else if (strcmp(name, "cornell") == 0)
         read_file(model, cornell, err);
     else if (strcmp(name, "cornell100k") != 0)

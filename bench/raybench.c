@@ -254,7 +254,7 @@ static Settings read_options(int argc, char **argv)
             s.threads[i] = SUMS;
     if (s.pairs < 1 || s.pairs > PAIRS_MAX || s.thread_counts == 0 || optind >= argc) {
         fprintf(stderr, "usage: raybench [-j 1,2] [-n PAIRS] [-w hvp] [-o FILE] [-v] [-c] "
-                        "SCENE...\nSCENE: cornell, cornell100k, room or a file\n");
+                        "SCENE...\nSCENE: cornell, cornell100k, room, room12m or a file\n");
         exit(2);
     }
     return s;

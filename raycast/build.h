@@ -173,7 +173,7 @@ bool range_cut(const RefSet *set, const Range *range, Range *left, Range *right,
 /* --- bvh_top.c ------------------------------------------------------------------------------- */
 
 /* Ranges from here on are cut by all threads together. */
-#define SPLIT_TOGETHER 65536u
+#define SPLIT_TOGETHER 32768u
 
 /* Decides and moves to the other array; range->split.axis is SPLIT_HALVES after it when there is
  * no place to cut, and then nothing was moved. */

@@ -13,18 +13,25 @@
 
 #define TASKS_FROM 16384u /* references from which there are tasks at all */
 #define TASK_REFS_MIN 1024u
-#define TASKS_WANTED 64u /* several per thread, so that unequal ones even out */
+#define TASK_REFS_MAX SPLIT_TOGETHER /* two copies fit into a core's own cache */
+#define TASKS_WANTED 32u /* several per thread, so that unequal ones even out */
 #define TREE_ALIGNMENT 64u /* a cache line */
 #define LARGE_PAGE ((uintptr_t)2 << 20)
 
 /* While the tree is in parts: a child that is a task. Nodes are fewer than 2^30. */
 #define CHILD_TASK (UINT32_C(1) << 30)
 
+/* Who will be in a group of triangles; unused: RAY_MISS. The corners are copied at the end, once,
+ * to where they stay. */
+typedef struct {
+    uint32_t primitive[GROUP_WIDTH];
+} Members;
+
 /* A piece of the tree; references count from its own arrays. */
 typedef struct {
-    Node          *node;
-    TriangleGroup *group;
-    size_t         node_count, node_capacity, group_count, group_capacity;
+    Node    *node;
+    Members *group;
+    size_t   node_count, node_capacity, group_count, group_capacity;
 } Part;
 
 typedef struct {
@@ -62,13 +69,6 @@ static void pages_enlarge(void *memory, size_t bytes)
 
 /* --- leaves ---------------------------------------------------------------------------------- */
 
-static void group_clear(TriangleGroup *group)
-{
-    memset(group, 0, sizeof *group);
-    for (uint32_t i = 0; i < GROUP_WIDTH; i++)
-        group->primitive[i] = RAY_MISS;
-}
-
 static bool leaf_triangles(Builder *b, const Range *r, uint32_t *child, Error *err)
 {
     Part *part = b->part;
@@ -81,22 +81,27 @@ static bool leaf_triangles(Builder *b, const Range *r, uint32_t *child, Error *e
                        sizeof *part->group, "groups of triangles", err))
         return false;
     const Ref *ref = b->set.ref[r->where] + r->begin;
-    for (uint32_t i = 0; i < count; i++) {
-        TriangleGroup *group = &part->group[part->group_count + i / GROUP_WIDTH];
-        const uint32_t lane = i % GROUP_WIDTH;
-        if (lane == 0)
-            group_clear(group);
-        const uint32_t primitive = ref[i].primitive;
-        float corner[3][3];
-        probe_corners(b->in, primitive, corner);
-        for (int c = 0; c < 3; c++)
-            for (int k = 0; k < 3; k++)
-                group->vertex[c][k][lane] = corner[c][k];
-        group->primitive[lane] = primitive;
-    }
+    for (uint32_t i = 0; i < groups * GROUP_WIDTH; i++)
+        part->group[part->group_count + i / GROUP_WIDTH].primitive[i % GROUP_WIDTH] =
+            i < count ? ref[i].primitive : RAY_MISS;
     *child = child_triangles((uint32_t)part->group_count, groups);
     part->group_count += groups;
     return true;
+}
+
+static void group_fill(const Primitives *in, const Members *members, TriangleGroup *group)
+{
+    memset(group, 0, sizeof *group);
+    for (uint32_t lane = 0; lane < GROUP_WIDTH; lane++) {
+        const uint32_t primitive = group->primitive[lane] = members->primitive[lane];
+        if (primitive == RAY_MISS)
+            continue;
+        float corner[3][3];
+        probe_corners(in, primitive, corner);
+        for (int c = 0; c < 3; c++)
+            for (int k = 0; k < 3; k++)
+                group->vertex[c][k][lane] = corner[c][k];
+    }
 }
 
 static bool leaf_build(Builder *b, const Range *r, uint32_t *child, Error *err)
@@ -325,8 +330,8 @@ static uint32_t child_moved(const Task *task, uint32_t child, uint32_t node_base
     return child_moved(NULL, t->root, t->node_base, t->group_base);
 }
 
-static void part_move(Bvh *bvh, Part *part, const Task *task, uint32_t node_base,
-                      uint32_t group_base)
+static void part_move(Bvh *bvh, const Primitives *in, Part *part, const Task *task,
+                      uint32_t node_base, uint32_t group_base)
 {
     for (size_t i = 0; i < part->node_count; i++) {
         Node *node = &bvh->node[node_base + i];
@@ -334,15 +339,16 @@ static void part_move(Bvh *bvh, Part *part, const Task *task, uint32_t node_base
         for (uint32_t s = 0; s < NODE_WIDTH; s++)
             node->child[s] = child_moved(task, node->child[s], node_base, group_base);
     }
-    if (part->group_count > 0)
-        memcpy(&bvh->group[group_base], part->group, part->group_count * sizeof *part->group);
+    for (size_t i = 0; i < part->group_count; i++)
+        group_fill(in, &part->group[i], &bvh->group[group_base + i]);
     part->node = array_free(part->node);
     part->group = array_free(part->group);
 }
 
 typedef struct {
-    Bvh  *bvh;
-    Task *task;
+    Bvh              *bvh;
+    const Primitives *in;
+    Task             *task;
 } MoveContext;
 
 static void task_move(void *context, uint32_t begin, uint32_t end, unsigned worker)
@@ -350,7 +356,8 @@ static void task_move(void *context, uint32_t begin, uint32_t end, unsigned work
     MoveContext *c = context;
     (void)worker;
     for (uint32_t i = begin; i < end; i++)
-        part_move(c->bvh, &c->task[i].part, NULL, c->task[i].node_base, c->task[i].group_base);
+        part_move(c->bvh, c->in, &c->task[i].part, NULL, c->task[i].node_base,
+                  c->task[i].group_base);
 }
 
 /* One block: nodes, groups, shapes, from a cache line's start. */
@@ -394,8 +401,8 @@ static bool tree_join(Bvh *bvh, Builder *b, unsigned threads, Error *err)
     }
     if (!tree_reserve(bvh, b->in, nodes, groups, err))
         return false;
-    part_move(bvh, b->part, *b->task, 0, 0);
-    MoveContext c = { .bvh = bvh, .task = *b->task };
+    part_move(bvh, b->in, b->part, *b->task, 0, 0);
+    MoveContext c = { .bvh = bvh, .in = b->in, .task = *b->task };
     parallel_for((uint32_t)*b->task_count, 1, threads, task_move, &c, NULL, NULL);
     return true;
 }
@@ -428,7 +435,10 @@ bool tree_build(Bvh *bvh, const Primitives *in, Ref *ref, uint32_t count, unsign
                   .set = { .ref = { ref }, .triangle_count = in->triangle_count,
                            .shapes = in->shape_count > 0 } };
     if (count >= TASKS_FROM) {
-        b.task_refs = count / TASKS_WANTED > TASK_REFS_MIN ? count / TASKS_WANTED : TASK_REFS_MIN;
+        const uint32_t share = count / TASKS_WANTED;
+        b.task_refs = share < TASK_REFS_MIN   ? TASK_REFS_MIN
+                      : share > TASK_REFS_MAX ? TASK_REFS_MAX
+                                              : share;
         b.set.threads = parallel_threads(threads);
     }
     Range all = { 0 };

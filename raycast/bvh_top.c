@@ -7,7 +7,7 @@
 #include "base/array.h"
 #include "raycast/build.h"
 
-#define CUT_CHUNK 16384u
+#define CUT_CHUNK 8192u
 
 typedef struct {
     Bins     bins;
