@@ -17,6 +17,10 @@ static const uint32_t DEFAULT_RAYS = 64, DEFAULT_ROW_RAYS = 256;
  * box, 64 to 1024 rays. */
 static const double NET_VARIANCE = 0.5;
 
+/* Standard errors that count as chance: better an edge found one pass later than all half shade
+ * divided. */
+static const double SURE = 1;
+
 /* Rays to lamps for one of a row's. */
 static const double LAMP_SHARE = 0.25;
 
@@ -48,15 +52,21 @@ typedef struct {
     double             *vertex;   /* [vertices * VALUES] */
     float              *radius;   /* [patches]  greatest distance of a corner from the centre */
     AdaptPiece         *piece;    /* [patches * ADAPT_PIECES] */
+    double             *sent;     /* [patches]  luminance of B - E */
+    double             *reflected;/* [vertices]  the same */
     double             *error;    /* [patches] */
 } Adapting;
 
-/* Light of a patch that is not its own, luminance. */
-static double reflected(const Adapting *a, uint32_t patch)
+/* Light of patches that is not their own, luminance. */
+static bool find_reflected(Adapting *a, Error *err)
 {
-    const double *h = &a->irradiance[(size_t)patch * ROOM_BANDS];
-    const Rgb rho = a->room->materials[a->room->patches->material[patch]].reflectance;
-    return rgb_luminance(rgb(rho.r * h[0], rho.g * h[1], rho.b * h[2]));
+    const Patches *patches = a->room->patches;
+    for (uint32_t i = 0; i < patches->count; i++) {
+        const double *h = &a->irradiance[(size_t)i * ROOM_BANDS];
+        const Rgb rho = a->room->materials[patches->material[i]].reflectance;
+        a->sent[i] = rgb_luminance(rgb(rho.r * h[0], rho.g * h[1], rho.b * h[2]));
+    }
+    return vertex_radiosity(patches, a->links->area, 1, a->sent, a->reflected, err);
 }
 
 /* Light that a row brings, spread over the points of the patch, and how much chance there is in the
@@ -67,13 +77,13 @@ static void gather_row(Adapting *a, AdaptSampler *sampler, uint32_t patch, doubl
     double sum = 0, squares = 0, direct = 0, direct_squares = 0;
     for (uint64_t k = links->first[patch]; k < links->first[patch + 1]; k++) {
         const uint32_t j = links->source[k];
-        const double f = links->form_factor[k], b = reflected(a, j);
+        const double f = links->form_factor[k], b = a->sent[j];
         const double own = rgb_luminance(room_emission(a->room, j));
         sum += f * b;
         squares += f * b * b;
         direct += f * own;
         direct_squares += f * own * own;
-        adapt_spread(sampler, j, f, b, own);
+        adapt_spread(sampler, patch, j, f, b, own);
     }
     mean[INDIRECT] = sum;
     mean[TOTAL] = sum + direct;
@@ -134,22 +144,26 @@ static double squared_error(const Adapting *a, uint32_t i)
 {
     const AdaptPoint *point = &a->point[(size_t)i * ADAPT_POINTS];
     const double *noise = &a->noise[2 * (size_t)i];
-    double products = 0, squares = 0, weights = 0;
+    double products = 0, chances = 0, squares = 0, weights = 0;
     for (uint32_t k = 0; k < a->points[i]; k++) {
         double value[VALUES];
         const double w = (double)point[k].weight;
         interpolate(a, &point[k], a->room->patches->side[i], value);
         const double indirect = (double)point[k].indirect - value[INDIRECT];
         const double total = (double)point[k].total - value[TOTAL];
-        products += w * ((double)point[k].direct[0] - value[DIRECT_A] + indirect) *
-                    ((double)point[k].direct[1] - value[DIRECT_B] + indirect);
+        const double first = (double)point[k].direct[0] - value[DIRECT_A] + indirect;
+        const double second = (double)point[k].direct[1] - value[DIRECT_B] + indirect;
+        const double both = (first + second) * (first - second) / 2;
+        products += w * first * second;
+        chances += w * both * both; /* variance of the product, the difference being chance */
         squares += w * total * total;
         weights += w;
     }
     if (!(weights > 0))
         return 0;
     const double by_row = fmax(squares / weights - noise[1], 0);
-    const double by_rays = fmax(products / weights - noise[0], 0);
+    const double chance = sqrt(chances / weights / a->points[i]);
+    const double by_rays = fmax(products / weights - SURE * chance - noise[0], 0);
     return a->telling[i] == BY_RAYS ? by_rays
                                     : a->telling[i] == BY_ROW ? by_row : fmax(by_row, by_rays);
 }
@@ -187,7 +201,7 @@ static void source_chunk(void *context, uint32_t begin, uint32_t end, unsigned w
             most = fmax(most, vec3_dot(way, way));
         }
         a->radius[i] = (float)sqrt(most);
-        adapt_pieces(a->room, i, &a->piece[(size_t)i * ADAPT_PIECES]);
+        adapt_pieces(a->room, a->reflected, i, &a->piece[(size_t)i * ADAPT_PIECES]);
     }
 }
 
@@ -207,6 +221,8 @@ static bool adapting_create(Adapting *a, unsigned threads, Error *err)
     a->vertex = array_create((size_t)patches->vertex_count * VALUES, sizeof *a->vertex, what, err);
     a->radius = array_create(n, sizeof *a->radius, what, err);
     a->piece = array_create(n * ADAPT_PIECES, sizeof *a->piece, what, err);
+    a->sent = array_create(n, sizeof *a->sent, what, err);
+    a->reflected = array_create(patches->vertex_count, sizeof *a->reflected, what, err);
     for (unsigned k = 0; k < threads && a->sampler != NULL; k++)
         adapt_sampler_create(&a->sampler[k], a->room, a->links, a->radius, a->piece,
                              o->rays > 0 ? o->rays : DEFAULT_RAYS, o->seed, err);
@@ -226,11 +242,15 @@ static void adapting_clear(Adapting *a, unsigned threads)
     array_free(a->vertex);
     array_free(a->radius);
     array_free(a->piece);
+    array_free(a->sent);
+    array_free(a->reflected);
 }
 
 static bool run(Adapting *a, unsigned threads, const Monitor *monitor, Error *err)
 {
     const Patches *patches = a->room->patches;
+    if (!find_reflected(a, err))
+        return false;
     if (!parallel_for(patches->count, MAKER_CHUNK, threads, source_chunk, a, monitor, NULL) ||
         !parallel_for(patches->count, MAKER_CHUNK, threads, sample_chunk, a, monitor, NULL))
         return error_set(err, ERROR_STOPPED, "stopped while looking for errors");

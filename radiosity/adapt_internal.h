@@ -7,7 +7,7 @@
 #include "radiosity/internal.h"
 
 enum { ADAPT_POINTS = 16,    /* four in each quarter */
-       ADAPT_PIECES = 16 };  /* of a source that is near for its size */
+       ADAPT_PIECES = 4 };   /* of a source that is near for its size */
 
 /* A point of a patch with its direct irradiance, luminance, estimated twice independently. */
 typedef struct {
@@ -17,13 +17,21 @@ typedef struct {
     float    indirect, total; /* by the patch's row, see adapt_spread; total: with direct light */
 } AdaptPoint;
 
-/* A piece of a patch as a source. */
+/* A flat piece of a patch as a source. */
 typedef struct {
-    float x, y, z, nx, ny, nz, area;
+    Vec3   corner[4];
+    int    corners;           /* 3 or 4 */
+    double reflected;         /* light it sends on, luminance of B - E */
 } AdaptPiece;
 
-/* A patch's pieces. */
-void adapt_pieces(const Room *room, uint32_t patch, AdaptPiece *piece);
+/* A patch's quarters; of a merged or parted patch, squares spread over it. reflected [vertices] is
+ * what the vertices of patches send on. */
+void adapt_pieces(const Room *room, const double *reflected, uint32_t patch, AdaptPiece *piece);
+
+/* Share of the view from points that a source takes up by its pieces, added to kernel [count], and
+ * that times the light of each piece, added to lit [count]. */
+void adapt_pieces_seen(const AdaptPiece *piece, const PatchPoint *at, uint32_t count,
+                       float *kernel, float *lit);
 
 /* Share of the hemisphere that sources take up at each point, the light they reflect from there,
  * and what they emit. */
@@ -74,9 +82,9 @@ void adapt_sampler_clear(AdaptSampler *sampler);
 uint32_t adapt_sample(AdaptSampler *sampler, uint32_t patch, AdaptPoint *point);
 
 /* Spreads a source that takes up `share` of the patch's view, with the light it reflects and emits,
- * over the points that adapt_sample chose last. */
-void adapt_spread(AdaptSampler *sampler, uint32_t source, double share, double reflected,
-                  double own);
+ * over the points of `patch`, which adapt_sample chose last. */
+void adapt_spread(AdaptSampler *sampler, uint32_t patch, uint32_t source, double share,
+                  double reflected, double own);
 /* Puts the light of all sources into the points, with `escape` of the view dark. The means shall be
  * those given. */
 void adapt_collect(AdaptSampler *sampler, double escape, double indirect, double total,

@@ -11,6 +11,9 @@
 
 static const char what[] = "light at points of patches";
 
+/* Times as many rays where some are blocked and some are not. */
+enum { SHADE_ROUNDS = 4 };
+
 bool adapt_sampler_create(AdaptSampler *s, const Room *room, const Links *links,
                           const float *radius, const AdaptPiece *piece, uint32_t rays,
                           uint32_t seed, Error *err)
@@ -119,22 +122,30 @@ static double light_from(const AdaptSampler *s, const PatchPoint *from, double u
            here * there / (M_PI * square * square * chance);
 }
 
-/* Adds what the rays aimed bring, of `count` that were tried. */
-static void flush(AdaptSampler *s, uint32_t count, AdaptPoint *point)
+/* Adds what the rays aimed bring; returns how many were blocked. */
+static uint32_t flush(AdaptSampler *s, AdaptPoint *point)
+{
+    uint32_t blocked = 0;
+    bvh_blocked_many(s->room->bvh, s->ray, s->blocked, s->aimed);
+    for (uint32_t k = 0; k < s->aimed; k++)
+        if (s->blocked[k])
+            blocked++;
+        else
+            point[s->slot[k] / 2].direct[s->slot[k] % 2] += s->value[k];
+    s->aimed = 0;
+    return blocked;
+}
+
+/* How much the rays aimed, of `count` that were tried, differ in what they could bring. */
+static double spread_of(const AdaptSampler *s, uint32_t count)
 {
     double sum = 0, squares = 0;
-    s->open = true;
-    bvh_blocked_many(s->room->bvh, s->ray, s->blocked, s->aimed);
     for (uint32_t k = 0; k < s->aimed; k++) {
         const double value = (double)s->value[k];
         sum += value;
         squares += value * value;
-        s->open = s->open && !s->blocked[k];
-        if (!s->blocked[k])
-            point[s->slot[k] / 2].direct[s->slot[k] % 2] += s->value[k];
     }
-    s->spread = sum > 0 ? fmax(squares * count / (sum * sum) - 1, 0) : 0;
-    s->aimed = 0;
+    return sum > 0 ? fmax(squares * count / (sum * sum) - 1, 0) : 0;
 }
 
 /* Where nothing is in the way, how light changes over the patch is seen best when all points look
@@ -160,7 +171,8 @@ static void smooth_open_light(const AdaptSampler *s, uint32_t points, AdaptPoint
             point[k].direct[half] = (float)(light[k] * (found[half] / all));
 }
 
-static void light_from_lamps(AdaptSampler *s, uint32_t patch, uint32_t points, AdaptPoint *point)
+/* Aims a round of rays, each half and point `rays` of them. */
+static void aim_round(AdaptSampler *s, uint32_t patch, uint32_t round, uint32_t points)
 {
     const uint32_t key = room_patch_key(s->room, patch);
     for (uint32_t half = 0; half < 2; half++) {
@@ -168,7 +180,7 @@ static void light_from_lamps(AdaptSampler *s, uint32_t patch, uint32_t points, A
         for (uint32_t k = 0; k < points * s->rays; k++) {
             const uint32_t i = k / s->rays;
             float x[2];
-            sampling_sobol2(k, seed, x);
+            sampling_sobol2((i * SHADE_ROUNDS + round) * s->rays + k % s->rays, seed, x);
             assert(s->aimed < s->capacity);
             const double light = light_from(s, &s->at[i], x[0], x[1], &s->ray[s->aimed]);
             if (!(light > 0))
@@ -177,9 +189,27 @@ static void light_from_lamps(AdaptSampler *s, uint32_t patch, uint32_t points, A
             s->slot[s->aimed++] = 2 * i + half;
         }
     }
-    flush(s, 2 * points * s->rays, point);
+}
+
+/* In half shade, where one ray gets through and the next does not, it takes more of them. */
+static void light_from_lamps(AdaptSampler *s, uint32_t patch, uint32_t points, AdaptPoint *point)
+{
+    aim_round(s, patch, 0, points);
+    const uint32_t aimed = s->aimed;
+    s->spread = spread_of(s, 2 * points * s->rays);
+    const uint32_t blocked = flush(s, point);
+    s->open = blocked == 0;
     if (s->open)
         smooth_open_light(s, points, point);
+    if (s->open || blocked == aimed)
+        return;
+    for (uint32_t round = 1; round < SHADE_ROUNDS; round++) {
+        aim_round(s, patch, round, points);
+        flush(s, point);
+    }
+    for (uint32_t k = 0; k < points; k++)
+        for (int half = 0; half < 2; half++)
+            point[k].direct[half] /= SHADE_ROUNDS;
 }
 
 /* A point light needs one ray: both halves get the same. */
@@ -205,9 +235,10 @@ static void light_from_points(AdaptSampler *s, const Light *light, uint32_t poin
 
 /* --- light spread over the points ------------------------------------------------------------- */
 
-/* Sources nearer than so many of their radii are taken in pieces, that many each way. */
+/* Sources nearer than so many of their radii are taken in pieces, that many each way: discs for
+ * what a patch stands on make light change five times as much as it does. */
 static const double NEAR_RADII = 2.5;
-enum { PIECES_ACROSS = 4 };
+enum { PIECES_ACROSS = 2 };
 
 static void set_field(AdaptSampler *s, uint32_t points)
 {
@@ -247,53 +278,31 @@ static void add_disc(const AdaptField *f, Vec3 centre, Vec3 normal, double disc,
     }
 }
 
-void adapt_pieces(const Room *room, uint32_t patch, AdaptPiece *piece)
-{
-    static_assert(ADAPT_PIECES == PIECES_ACROSS * PIECES_ACROSS, "a square of pieces");
-    for (int k = 0; k < ADAPT_PIECES; k++) {
-        PatchPoint at;
-        patches_point(room->patches, room->surfaces, patch,
-                      (k % PIECES_ACROSS + 0.5) / PIECES_ACROSS,
-                      (k / PIECES_ACROSS + 0.5) / PIECES_ACROSS, &at);
-        const Vec3 p = at.point.point, n = at.point.normal;
-        piece[k] = (AdaptPiece){ (float)p.x, (float)p.y, (float)p.z,
-                                 (float)n.x, (float)n.y, (float)n.z,
-                                 (float)(room->patches->area[patch] * at.weight / ADAPT_PIECES) };
-    }
-}
-
-/* A source that is near for its size, in pieces. */
-static void add_pieces(const AdaptSampler *s, uint32_t source, float *kernel)
-{
-    const AdaptPiece *piece = &s->piece[(size_t)source * ADAPT_PIECES];
-    for (int k = 0; k < ADAPT_PIECES; k++) {
-        const AdaptPiece *p = &piece[k];
-        add_disc(&s->field, vec3((double)p->x, (double)p->y, (double)p->z),
-                 vec3((double)p->nx, (double)p->ny, (double)p->nz), (double)p->area, kernel);
-    }
-}
-
-void adapt_spread(AdaptSampler *s, uint32_t source, double share, double reflected, double own)
+void adapt_spread(AdaptSampler *s, uint32_t patch, uint32_t source, double share, double reflected,
+                  double own)
 {
     const Patches *patches = s->room->patches;
     AdaptField *f = &s->field;
-    float kernel[ADAPT_POINTS] = { 0 }, mean = 0;
+    float kernel[ADAPT_POINTS] = { 0 }, lit[ADAPT_POINTS] = { 0 }, mean = 0;
     const Vec3 way = vec3_sub(patches->centre[source], f->origin);
     const double reach = NEAR_RADII * (double)s->radius[source];
     const bool near = vec3_dot(way, way) < reach * reach;
+    AdaptShares *to = near ? &f->near : &f->far;
     if (near)
-        add_pieces(s, source, kernel);
+        adapt_pieces_seen(&s->piece[(size_t)source * ADAPT_PIECES], s->at, f->count, kernel, lit);
     else
         add_disc(f, patches->centre[source], patches->normal[source], patches->area[source],
                  kernel);
     for (uint32_t k = 0; k < ADAPT_POINTS; k++)
         mean += f->weight[k] * kernel[k];
+    /* Over a patch that is small beside the pieces, light changes less than their steps. */
+    const double fine = (double)s->radius[patch] * PIECES_ACROSS / (double)s->radius[source];
+    const float steps = near && mean > 0 ? (float)fmin(fine, 1) : 0;
     const float scale = mean > 0 ? (float)share / mean : 0;
-    AdaptShares *to = near ? &f->near : &f->far;
     for (uint32_t k = 0; k < ADAPT_POINTS; k++) {
         const float part = mean > 0 ? scale * kernel[k] : (float)share;
         to->share[k] += part;
-        to->reflected[k] += part * (float)reflected;
+        to->reflected[k] += steps * scale * lit[k] + (1 - steps) * part * (float)reflected;
         to->own[k] += part * (float)own;
     }
 }

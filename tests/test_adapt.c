@@ -7,10 +7,11 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 
-#include "radiosity/adapt.h"
+#include "radiosity/adapt_internal.h"
 #include "tests/room_maker.h"
 
 /* Far above: H = I / z^2 = 1 on all of the floor to 1e-7, and shadows fall straight down. */
@@ -124,6 +125,49 @@ static void test_furnace(void **state)
     room_clear(&r);
 }
 
+/* What a point sees of a rectangle x * y at height 1 over one of its corners. */
+static double corner_factor(double x, double y)
+{
+    const double a = sqrt(1 + x * x), b = sqrt(1 + y * y);
+    return (x / a * atan(y / a) + y / b * atan(x / b)) / (2 * M_PI);
+}
+
+/* A source of 2 x 2 at height 1, its light 1 + x: seen whole from below its middle, where it is 2 by
+ * symmetry; at the corner x = y = 0 the four pieces count with 1.5 and 2.5; from above, not at all.
+ * A wall's horizon cuts half of it away. */
+static void test_pieces(void **state)
+{
+    (void)state;
+    enum { N = 4 };
+    TestRoom r = { 0 };
+    AdaptPiece piece[ADAPT_PIECES];
+    float kernel[N] = { 0 }, lit[N] = { 0 };
+    PatchPoint at[N] = { 0 };
+    const uint32_t black = room_material(&r, 0, 0);
+    room_quad(&r, vec3(0, 0, 1), vec3(0, 2, 0), vec3(2, 0, 0), black, "source");
+    room_finish(&r, 2, &(SidesOptions){ 0 }, NULL, 0, NULL);
+    assert_int_equal(r.patches->count, 2);
+    assert_int_equal(r.patches->vertex_count, 8);
+    double vertex[8];
+    for (uint32_t v = 0; v < 8; v++)
+        vertex[v] = 1 + r.patches->position[v].x;
+    adapt_pieces(&r.room, vertex, r.patches->side[0] == 0 ? 0 : 1, piece);
+    at[0].point = (SurfacePoint){ .point = { 1, 1, 0 }, .normal = { 0, 0, 1 } };
+    at[1].point = (SurfacePoint){ .point = { 0, 0, 0 }, .normal = { 0, 0, 1 } };
+    at[2].point = (SurfacePoint){ .point = { 1, 1, 2 }, .normal = { 0, 0, -1 } };
+    at[3].point = (SurfacePoint){ .point = { 1, 1, 1 - 1e-9 }, .normal = { 1, 0, 0 } };
+    adapt_pieces_seen(piece, at, N, kernel, lit);
+    const double whole = corner_factor(2, 2), near = corner_factor(1, 2);
+    assert_float_equal(kernel[0], 4 * corner_factor(1, 1), FLT_EPSILON);
+    assert_float_equal(lit[0], 2 * 4 * corner_factor(1, 1), 2 * FLT_EPSILON);
+    assert_float_equal(kernel[1], whole, FLT_EPSILON);
+    assert_float_equal(lit[1], 1.5 * near + 2.5 * (whole - near), 2 * FLT_EPSILON);
+    assert_true(kernel[2] == 0 && lit[2] == 0);
+    /* In the plane of the source's own edge half the hemisphere is filled. */
+    assert_float_equal(kernel[3], 0.5, 1e-6);
+    room_clear(&r);
+}
+
 static void test_choose(void **state)
 {
     (void)state;
@@ -212,8 +256,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_shadow_edge), cmocka_unit_test(test_hidden_part),
-        cmocka_unit_test(test_furnace),     cmocka_unit_test(test_choose),
-        cmocka_unit_test(test_threads),     cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_furnace),     cmocka_unit_test(test_pieces),
+        cmocka_unit_test(test_choose),      cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
