@@ -17,6 +17,9 @@ enum { BRING_MAX = 24 };
 /* A patch's centre is no nearer to a vertex than this share of the patch's extent, so that a vertex
  * at the middle of a merged patch does not see that one alone. */
 static const double NEAREST = 0.25;
+/* Patches more than eight times as long as wide (twice this) count the less the thinner they are:
+ * what a sliver in a gap receives says little of what lies around it. */
+static const double SLIVER = 4;
 /* The plane is followed outwards up to so many times the spread of the centres in that direction:
  * less than 2.5 at the rim of any grid; further out it is bent back to level. */
 static const double REACH = 3;
@@ -140,21 +143,41 @@ static Vec3 merged_centre(const Patches *p, uint32_t patch)
     return area > 0 ? vec3_scale(sum, 1 / area) : p->centre[patch];
 }
 
+/* Area of a square that reaches as far from its centre as the patch; a merged patch counts as one
+ * itself. */
+static double square_around(const VertexFit *fit, uint32_t patch)
+{
+    const Patches *p = fit->patches;
+    const uint32_t face = p->face_of[patch];
+    double most = 0;
+    if (p->first_piece[patch] < p->first_piece[patch + 1])
+        return p->area[patch];
+    for (uint32_t k = p->first_corner[face]; k < p->first_corner[face + 1]; k++) {
+        const Vec3 way = vec3_sub(p->position[p->corner[k]], fit->centre[patch]);
+        most = fmax(most, vec3_dot(way, way));
+    }
+    return 2 * most;
+}
+
 bool vertex_fit_create(VertexFit *fit, const Patches *patches, const double *area, Error *err)
 {
     *fit = (VertexFit){ .patches = patches, .area = area };
     fit->centre = array_create(patches->count, sizeof *fit->centre, "vertex fit", err);
-    if (fit->centre == NULL || !find_patches(fit, err) || !find_near(fit, err))
+    fit->extent = array_create(patches->count, sizeof *fit->extent, "vertex fit", err);
+    if (error_is_set(err) || !find_patches(fit, err) || !find_near(fit, err))
         return false;
-    for (uint32_t i = 0; i < patches->count; i++)
+    for (uint32_t i = 0; i < patches->count; i++) {
         fit->centre[i] = patches->first_piece[i] < patches->first_piece[i + 1]
                              ? merged_centre(patches, i) : patches->centre[i];
+        fit->extent[i] = square_around(fit, i);
+    }
     return true;
 }
 
 void vertex_fit_clear(VertexFit *fit)
 {
     array_free(fit->centre);
+    array_free(fit->extent);
     array_free(fit->first_patch);
     array_free(fit->patch);
     array_free(fit->first_near);
@@ -228,7 +251,8 @@ static void plane_measure(Plane *plane, const VertexFit *fit, uint32_t vertex)
         const double seen = fmin(fit->area[i] / p->area[i], 1);
         plane->x[k] = roll * x;
         plane->y[k] = roll * y;
-        row->weight[k] = seen / (square + NEAREST * NEAREST * p->area[i]);
+        const double extent = fit->extent[i], broad = fmin(SLIVER * p->area[i] / extent, 1);
+        row->weight[k] = seen * broad / (square + NEAREST * NEAREST * extent);
         plane->total += row->weight[k];
         plane->mx += row->weight[k] * plane->x[k];
         plane->my += row->weight[k] * plane->y[k];

@@ -19,6 +19,7 @@ typedef struct {
     const Patches *patches;
     const double  *area;         /* [patches->count]  visible */
     Vec3          *centre;       /* [patches->count]  centroids */
+    double        *extent;       /* [patches->count]  area of a square that reaches as far */
     uint32_t      *first_patch;  /* [vertex_count + 1] */
     uint32_t      *patch;        /* [first_patch[vertex_count]]  that have this vertex, each once */
     uint32_t      *first_near;   /* [patches->count + 1] */

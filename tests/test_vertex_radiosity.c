@@ -354,6 +354,35 @@ static void means_are_kept(void **state)
     hand_destroy(h);
 }
 
+/* A strip a thousand times narrower than the squares beside it is ten times as bright: the light on
+ * the squares stays nearer to their own, to the rim. */
+static void slivers_count_little(void **state)
+{
+    (void)state;
+    Polygons soup;
+    Error err = { 0 };
+    soup_start(&soup);
+    soup_polygon(&soup, (Vec3[]){ { 0, 0, 0 }, { 4, 0, 0 }, { 4, 4, 0 }, { 0, 4, 0 } }, 4, 0, 0);
+    soup_polygon(&soup, (Vec3[]){ { 4, 0, 0 }, { 4.001, 0, 0 }, { 4.001, 4, 0 }, { 4, 4, 0 } }, 4,
+                 0, 0);
+    Surfaces *surfaces = surfaces_create(&soup, NULL, &err);
+    Patches *p = patches_create(surfaces, &(PatchOptions){ .size = 1, .separate = true }, NULL,
+                                &err);
+    assert_false(error_is_set(&err));
+    double *value = calloc(p->count, sizeof *value), *out = calloc(p->vertex_count, sizeof *out);
+    for (uint32_t i = 0; i < p->count; i++)
+        value[i] = p->centre[i].x > 4 ? 10 : 1;
+    assert_true(vertex_radiosity(p, p->area, 1, value, out, &err));
+    for (uint32_t v = 0; v < p->vertex_count; v++)
+        if (p->position[v].x <= 4)
+            assert_true(out[v] >= 0 && out[v] < (1 + 10) / 2.0);
+    free(value);
+    free(out);
+    patches_destroy(p);
+    surfaces_destroy(surfaces);
+    polygons_clear(&soup);
+}
+
 static void hidden_patches(void **state)
 {
     (void)state;
@@ -439,6 +468,7 @@ int main(void)
         cmocka_unit_test(linear_on_plane_surfaces), cmocka_unit_test(linear_past_t_vertices),
         cmocka_unit_test(second_order),             cmocka_unit_test(within_bounds),
         cmocka_unit_test(means_are_kept),           cmocka_unit_test(hidden_patches),
+        cmocka_unit_test(slivers_count_little),
         cmocka_unit_test(creases_keep_apart),       cmocka_unit_test(without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
