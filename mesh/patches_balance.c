@@ -74,10 +74,26 @@ static uint32_t cell_on_edge(const PatchForest *f, uint32_t surface, PatchCell c
                                                                   : nu - 1 - cell.i;
 }
 
-/* Part low..high of a use must have cells no longer than LONGER_MOST * length, all as
- * fractions of the use from its own start. */
+/* Longest edge of a cell. */
+static double cell_extent(const PatchBuilder *b, uint32_t surface, unsigned level)
+{
+    const unsigned corners = patches_corners(&b->surfaces->surface[surface]);
+    const Vec3 *p = b->surfaces->position;
+    double extent = 0;
+    for (unsigned k = 0; k < corners; k++) {
+        const Vec3 start = p[b->from[4 * surface + k]];
+        const Vec3 end = p[b->from[4 * surface + (k + 1) % corners]];
+        extent = fmax(extent, vec3_length(vec3_sub(end, start)) /
+                                  patches_edge_divisions(b->out, surface, k));
+    }
+    return ldexp(extent, -(int)level);
+}
+
+/* Part low..high of a use must have cells no longer than LONGER_MOST * length there, all as
+ * fractions of the use from its own start, or no larger than LONGER_MOST * extent: by the edge
+ * alone, a long cell with one very short edge would divide what lies there to its last level. */
 static bool wish_on_use(PatchForest *f, uint32_t use, unsigned side, double low, double high,
-                        double length)
+                        double length, double extent)
 {
     const PatchBuilder *b = f->b;
     const uint32_t whole = patches_whole_use(b, use), surface = whole / 4, k = whole % 4;
@@ -89,7 +105,8 @@ static bool wish_on_use(PatchForest *f, uint32_t use, unsigned side, double low,
     patches_use_span(b, use, &start, &end);
     unsigned level = 0;
     double cells = patches_edge_divisions(b->out, surface, k);
-    while (level < PATCH_LEVELS && 1 / (cells * (end - start)) > LONGER_MOST * length) {
+    while (level < PATCH_LEVELS && 1 / (cells * (end - start)) > LONGER_MOST * length
+           && cell_extent(b, surface, level) > LONGER_MOST * extent) {
         level++;
         cells *= 2;
     }
@@ -113,6 +130,7 @@ static bool wish_across_edge(PatchForest *f, uint32_t surface, unsigned side, Pa
     const PatchBuilder *b = f->b;
     const double cells = ldexp(patches_edge_divisions(b->out, surface, k), cell.level);
     const double from = cell_on_edge(f, surface, cell, k) / cells, to = from + 1 / cells;
+    const double extent = cell_extent(b, surface, cell.level);
     const uint32_t whole = 4 * surface + k;
     for (uint32_t use = whole; patches_whole_use(b, use) == whole; use = patches_next_use(b, use)) {
         double start, end;
@@ -124,7 +142,7 @@ static bool wish_across_edge(PatchForest *f, uint32_t surface, unsigned side, Pa
             continue;
         const bool alike = b->from[use] != b->from[mate];
         if (!wish_on_use(f, mate, patches_mate_side(b, use, side), alike ? 1 - high : low,
-                         alike ? 1 - low : high, 1 / (cells * length)))
+                         alike ? 1 - low : high, 1 / (cells * length), extent))
             return false;
     }
     return true;

@@ -101,13 +101,15 @@ static void test_balance(void **state)
 
 typedef struct {
     double  low, high; /* y */
+    double  extent;
     bool    right;
     uint8_t level;
 } Span;
 
 /* Fronts' cells that have an edge on the line x = 1. */
-static size_t spans_at_seam(const Patches *p, Span *span, size_t most)
+static size_t spans_at_seam(const Mesh *m, Span *span, size_t most)
 {
+    const Patches *p = m->patches;
     size_t n = 0;
     for (uint32_t f = 0; f < p->face_count; f++) {
         const uint32_t patch = p->face_patch[f];
@@ -120,7 +122,8 @@ static size_t spans_at_seam(const Patches *p, Span *span, size_t most)
                 y[found++] = p->position[p->corner[c]].y;
         if (found == 2) {
             assert_true(n < most);
-            span[n++] = (Span){ fmin(y[0], y[1]), fmax(y[0], y[1]), p->centre[patch].x > 1,
+            span[n++] = (Span){ fmin(y[0], y[1]), fmax(y[0], y[1]),
+                                patches_extent(p, m->surfaces, patch), p->centre[patch].x > 1,
                                 p->cell[patch].level };
         }
     }
@@ -128,7 +131,8 @@ static size_t spans_at_seam(const Patches *p, Span *span, size_t most)
 }
 
 /* Where a square's grid and a triangle's differ, lengths are what counts: a divided cell has no
- * neighbour more than 2 sqrt 2 times as long, twice for the level and half of that for rounding. */
+ * neighbour more than 2 sqrt 2 times as long, there or in all, twice for the level and half of that
+ * for rounding. */
 static void test_unlike_grids(void **state)
 {
     (void)state;
@@ -147,19 +151,53 @@ static void test_unlike_grids(void **state)
         assert_true(m.patches->nu[0] != m.patches->nu[1]);
         for (int round = 0; round < 4; round++) {
             mesh_split_some(&m, 12, &seed);
-            const size_t n = spans_at_seam(m.patches, span, MOST);
+            const size_t n = spans_at_seam(&m, span, MOST);
             for (size_t i = 0; i < n; i++)
                 for (size_t j = 0; j < n; j++) {
                     const Span *a = &span[i], *b = &span[j];
                     if (a->right == b->right || a->level == 0 || a->low > b->high - 1e-9
                         || b->low > a->high - 1e-9)
                         continue;
-                    assert_true(b->high - b->low < 2 * sqrt(2) * (a->high - a->low) + 1e-9);
+                    const double most = 2 * sqrt(2);
+                    assert_true(b->high - b->low < most * (a->high - a->low) + 1e-9
+                                || b->extent < most * a->extent + 1e-9);
                 }
             check_outlines(&m);
         }
         mesh_clear(&m);
     }
+}
+
+/* A long triangle meets a square with an edge a thousand times shorter: dividing it three times
+ * leaves the square whole, which still is no longer than its cells; five times divide the square,
+ * but not down to that edge. */
+static void test_short_edge(void **state)
+{
+    (void)state;
+    Mesh m;
+    soup_start(&m.soup);
+    soup_polygon(&m.soup, (Vec3[]){ { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0 }, { 0, 1, 0 } }, 4, 0, 0);
+    soup_polygon(&m.soup, (Vec3[]){ { 1, 0.5, 0 }, { 9, 0.5, 0 }, { 1, 0.501, 0 } }, 3, 0, 0);
+    mesh_make(&m, &(PatchOptions){ .size = 10, .separate = true });
+    const uint32_t square = m.patches->first[0][0] < m.patches->first[0][1] ? 0 : 1;
+    for (int round = 1; round <= 5; round++) {
+        uint8_t *split = calloc(m.patches->count, 1);
+        uint32_t squares = 0;
+        assert_non_null(split);
+        for (uint32_t i = 0; i < m.patches->count; i++)
+            split[i] = m.patches->side[i] == 0 && m.patches->surface[i] != square
+                       && m.patches->centre[i].x < 2;
+        mesh_split(&m, split);
+        free(split);
+        for (uint32_t i = 0; i < m.patches->count; i++)
+            if (m.patches->surface[i] == square && m.patches->side[i] == 0) {
+                assert_true(m.patches->cell[i].level <= 2);
+                squares++;
+            }
+        assert_true(round > 3 || squares == 1);
+        check_outlines(&m);
+    }
+    mesh_clear(&m);
 }
 
 /* --- interpolation ---------------------------------------------------------------------------- */
@@ -339,7 +377,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_closed_blocks),
         cmocka_unit_test(test_closed_shapes),
-        cmocka_unit_test(test_balance),
+        cmocka_unit_test(test_balance),     cmocka_unit_test(test_short_edge),
         cmocka_unit_test(test_unlike_grids),
         cmocka_unit_test(test_outlines),
         cmocka_unit_test(test_linear),
