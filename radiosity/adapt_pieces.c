@@ -95,7 +95,8 @@ void adapt_pieces(const Room *room, const double *reflected, uint32_t patch, Ada
     const int corners = merged ? 0 : own_corners(p, p->face_of[patch], corner);
     for (int k = 0; k < ADAPT_PIECES; k++)
         piece[k] = corners > 0 ? quarter(p, reflected, corner, corners, k)
-                               : square(room, reflected, patch, (k % 2 + 0.5) / 2, (k / 2 + 0.5) / 2);
+                               : square(room, reflected, patch, k % 2 / 2.0 + 0.25,
+                                        k / 2 / 2.0 + 0.25);
 }
 
 /* Share of the view from a point over a surface with unit normal n; whole is the piece. */

@@ -132,9 +132,9 @@ static double corner_factor(double x, double y)
     return (x / a * atan(y / a) + y / b * atan(x / b)) / (2 * M_PI);
 }
 
-/* A source of 2 x 2 at height 1, its light 1 + x: seen whole from below its middle, where it is 2 by
- * symmetry; at the corner x = y = 0 the four pieces count with 1.5 and 2.5; from above, not at all.
- * A wall's horizon cuts half of it away. */
+/* A source of 2 x 2 at height 1, its light 1 + x: seen whole from below its middle, where it is 2
+ * by symmetry; at the corner x = y = 0 the four pieces count with 1.5 and 2.5; from above, not at
+ * all. A wall's horizon cuts half of it away. */
 static void test_pieces(void **state)
 {
     (void)state;
