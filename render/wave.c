@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Light at many points: lamp samples with controls, cosine rays, a step further near corners. */
-#include "radiosity/visible.h"
 #include "render/wave.h"
 
 #include <assert.h>
@@ -8,6 +7,7 @@
 
 #include "math/sampling.h"
 #include "math/tolerance.h"
+#include "radiosity/visible.h"
 #include "render/clear.h"
 
 /* Purposes of the sequences drawn from one seed. */
@@ -212,6 +212,45 @@ Ray wave_hemisphere(const WaveFrame *frame, const float u[2])
                   .dz = (float)d.z, .t_max = INFINITY };
 }
 
+/* Ray k's direction for the point of the square with its index, moved on by `turn`. */
+static void aim_ray(Wave *wave, unsigned level, uint32_t k, uint32_t seed, float turn,
+                    const WaveFrame *frame)
+{
+    const WavePoint *p = &wave->point[level][wave->owner[k]];
+    float u[2];
+    sampling_sobol2(wave->index[k], seed, u);
+    for (int i = 0; i < 2; i++)
+        u[i] = u[i] + turn < 1 ? u[i] + turn : u[i] + turn - 1;
+    wave->worth[k] = p->guide != NULL ? (float)guide_map(p->guide, u) : 1;
+    wave->ray[k] = wave_hemisphere(frame, u);
+}
+
+static bool is_at_seam(const Room *room, const Hit *hit)
+{
+    double s, t;
+    if (hit->primitive == RAY_MISS)
+        return false;
+    surfaces_parameters(room->surfaces, hit->primitive, hit->u, hit->v, &s, &t);
+    return visible_at_seam(room, surfaces_of_primitive(room->surfaces, hit->primitive), s, t);
+}
+
+/* A ray that ended where rounding decides in which room that is gives way to one close by. From a
+ * point that lies at a seam itself most rays end there: then it stays. */
+static void leave_seam(Wave *wave, unsigned level, uint32_t k, uint32_t seed, bool clear)
+{
+    enum { TRIES = 4 };
+    static const float step = 0x1p-9F; /* about 1/4 degree: hundreds of times as wide as a seam */
+    const Room     *room = wave->gatherer->room;
+    const WaveFrame frame = wave_frame(room, &wave->point[level][wave->owner[k]].at);
+    for (int i = 1; i <= TRIES && is_at_seam(room, &wave->hit[k]); i++) {
+        aim_ray(wave, level, k, seed, (float)i * step, &frame);
+        bvh_nearest(room->bvh, &wave->ray[k], &wave->hit[k]);
+        wave->rays++;
+        if (clear)
+            wave->pass[k] = clear_nearest(room, &wave->ray[k], &wave->hit[k]);
+    }
+}
+
 /* Directions for rays begin..begin+n-1 of the level's points, and whose they are. */
 static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t n, uint32_t rays,
                        const WaveOptions *options)
@@ -222,23 +261,22 @@ static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t n, u
     uint32_t       owner = begin / rays, turn = begin % rays;
     WaveFrame      frame = wave_frame(room, &wave->point[level][owner].at);
     for (uint32_t k = 0; k < n; k++, turn++) {
-        float u[2];
         if (turn == rays) {
             turn = 0;
             owner++;
             frame = wave_frame(room, &wave->point[level][owner].at);
         }
-        const WavePoint *p = &wave->point[level][owner];
         wave->owner[k] = owner;
-        wave->index[k] = p->index * rays + turn;
-        sampling_sobol2(wave->index[k], seed, u);
-        wave->worth[k] = p->guide != NULL ? (float)guide_map(p->guide, u) : 1;
-        wave->ray[k] = wave_hemisphere(&frame, u);
+        wave->index[k] = wave->point[level][owner].index * rays + turn;
+        aim_ray(wave, level, k, seed, 0, &frame);
     }
     bvh_nearest_many(room->bvh, wave->ray, wave->hit, n);
     wave->rays += n;
     for (uint32_t k = 0; k < n; k++)
         wave->pass[k] = clear ? clear_nearest(room, &wave->ray[k], &wave->hit[k]) : rgb(1, 1, 1);
+    for (uint32_t k = 0; k < n; k++)
+        if (is_at_seam(room, &wave->hit[k]))
+            leave_seam(wave, level, k, seed, clear);
 }
 
 /* Makes the ray's end a receiving point of the next level. */
@@ -282,8 +320,7 @@ static uint32_t read_end(Wave *wave, unsigned level, uint32_t k, uint32_t rays,
     const Room      *room = g->room;
     const WavePoint *p = &wave->point[level][wave->owner[k]];
     const WaveEnd    end = wave_end(g, &wave->ray[k], &wave->hit[k]);
-    if (room->patches->first[end.side][end.surface] == PATCH_NONE
-        || visible_at_seam(room, end.surface, end.s, end.t))
+    if (room->patches->first[end.side][end.surface] == PATCH_NONE)
         return next;
     const double worth = wave->worth[k] / rays;
     if (g->lamps.shared && room->emitting[end.surface] >> end.side & 1)
