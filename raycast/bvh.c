@@ -111,6 +111,11 @@ const char *bvh_isa(const Bvh *bvh)
     return bvh->kernel->name;
 }
 
+/* Rays that look for the nearest hit are sorted in blocks that stay in the cache next to a small
+ * tree; a large tree does not fit anyway, and larger blocks have more rays that go the same way. */
+#define SORT_BLOCK 32768u
+#define SORT_TREE ((size_t)32 << 20)
+
 /* Fewer rays than this are not worth sorting. */
 #define SORT_LEAST 64u
 
@@ -157,8 +162,9 @@ void bvh_nearest_many(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count)
     Sorter *sorter = sorter_create(bvh, count);
     if (sorter == NULL)
         bvh->kernel->nearest_many(bvh, ray, NULL, count, hit);
-    for (size_t begin = 0; sorter != NULL && begin < count; begin += SORT_MOST) {
-        const size_t n = count - begin < SORT_MOST ? count - begin : SORT_MOST;
+    const size_t most = bvh->bytes < SORT_TREE ? SORT_BLOCK : SORT_MOST;
+    for (size_t begin = 0; sorter != NULL && begin < count; begin += most) {
+        const size_t n = count - begin < most ? count - begin : most;
         rays_sort(sorter, bvh, ray + begin, n);
         bvh->kernel->nearest_many(bvh, sorter->ray, sorter->order, n, hit + begin);
     }

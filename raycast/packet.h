@@ -21,11 +21,13 @@
  * what is met there still cuts off what the packet would visit next. */
 #define PACKET_TASKS STREAM_RAYS
 
-/* Rays are tried in packets at the start of each stretch. A subtree walked alone costs a ray about
- * what it would cost without the packet; from one and a half of them the packet is in vain. */
-#define STRETCH 4096u
-#define STRETCH_TRIAL 256u
-#define STRETCH_ALONE (STRETCH_TRIAL * 3 / 2)
+/* Between which values the rays of a packet, or of several, lie. */
+typedef struct {
+    float t_min_least;
+    float near_origin[3], far_origin[3], inverse_from[3], inverse_to[3];
+    /* origin and shear along axis[]: middle and half width */
+    float middle[3], width[3], shear_middle[2], shear_width[2];
+} Range;
 
 typedef struct {
     /* of each ray, as in Probe; origin and shear along axis[] */
@@ -40,10 +42,9 @@ typedef struct {
     unsigned octant;
     int      axis[3];
     bool     backward;    /* directions along axis[2] are negative */
-    float    t_min_least;
-    float    near_origin[3], far_origin[3], inverse_from[3], inverse_to[3];
-    /* origin and shear along axis[]: middle and half width of their ranges */
-    float    middle[3], width[3], shear_middle[2], shear_width[2];
+    bool     ranged;      /* `range` is filled in: of a packet in a team only when needed */
+    Range    range;
+    Floats   margin[3];
     /* subtrees that few rays reach wait here until there are enough to be walked in turns */
     unsigned probes;      /* lanes whose walker has its probe */
     unsigned waiting;     /* lanes with something to visit */
@@ -59,39 +60,56 @@ typedef struct {
 
 /* --- into the packet ------------------------------------------------------------------------- */
 
-/* Lanes of `lanes` in the range of all of them. */
-LANES_INLINE void packet_bounds(Packet *p, unsigned lanes, const Floats o[3],
-                                const Floats margin[3])
+/* Least and most of all values of lanes[i] in packet[i] at `field`. */
+LANES_INLINE void packets_ends(const Packet *packet, const unsigned *lanes, unsigned count,
+                               size_t field, float *least, float *most)
 {
-    const Floats none = floats_all(INFINITY);
-    for (int k = 0; k < 3; k++) {
-        const Floats low = o[k] - margin[k], high = o[k] + margin[k];
-        const float from = floats_least(floats_pick(lanes, low, none));
-        const float to = floats_most(floats_pick(lanes, high, -none));
-        const bool negative = p->octant >> k & 1;
-        p->near_origin[k] = negative ? from : to;
-        p->far_origin[k] = negative ? to : from;
-        p->inverse_from[k] = floats_least(floats_pick(lanes, p->inverse[k], none));
-        p->inverse_to[k] = floats_most(floats_pick(lanes, p->inverse[k], -none));
+    Floats from = floats_all(INFINITY), to = -from;
+    for (unsigned i = 0; i < count; i++) {
+        const Floats x = *(const Floats *)(const void *)((const char *)&packet[i] + field);
+        from = floats_min(from, floats_pick(lanes[i], x, from));
+        to = floats_max(to, floats_pick(lanes[i], x, to));
     }
-    p->t_min_least = floats_least(floats_pick(lanes, p->t_min, none));
-    for (int k = 0; k < 3; k++) {
-        const float a = p->near_origin[p->axis[k]], b = p->far_origin[p->axis[k]];
-        p->middle[k] = 0.5f * (a + b);
-        p->width[k] = 0.5f * fabsf(a - b);
+    *least = floats_least(from);
+    *most = floats_most(to);
+}
+
+/* The ranges of `lanes` of `count` packets of one kind. */
+LANES_INLINE void packets_range(const Packet *packet, const unsigned *lanes, unsigned count,
+                                Range *r)
+{
+    float most;
+    for (unsigned k = 0; k < 3; k++) {
+        const unsigned axis = (unsigned)packet->axis[k];
+        float from, to, margin;
+        packets_ends(packet, lanes, count, offsetof(Packet, origin) + k * sizeof(Floats), &from,
+                     &to);
+        packets_ends(packet, lanes, count, offsetof(Packet, margin) + axis * sizeof(Floats),
+                     &most, &margin);
+        from -= margin;
+        to += margin;
+        const bool negative = packet->octant >> axis & 1;
+        r->near_origin[axis] = negative ? from : to;
+        r->far_origin[axis] = negative ? to : from;
+        r->middle[k] = 0.5f * (from + to);
+        r->width[k] = 0.5f * (to - from);
+        packets_ends(packet, lanes, count, offsetof(Packet, inverse) + k * sizeof(Floats),
+                     &r->inverse_from[k], &r->inverse_to[k]);
     }
-    for (int k = 0; k < 2; k++) {
-        const float a = floats_least(floats_pick(lanes, p->shear[k], none));
-        const float b = floats_most(floats_pick(lanes, p->shear[k], -none));
-        p->shear_middle[k] = 0.5f * (a + b);
-        p->shear_width[k] = 0.5f * (b - a);
+    packets_ends(packet, lanes, count, offsetof(Packet, t_min), &r->t_min_least, &most);
+    for (unsigned k = 0; k < 2; k++) {
+        float from, to;
+        packets_ends(packet, lanes, count, offsetof(Packet, shear) + k * sizeof(Floats), &from,
+                     &to);
+        r->shear_middle[k] = 0.5f * (from + to);
+        r->shear_width[k] = 0.5f * (to - from);
     }
 }
 
-/* probe_init for all lanes; those not in `lanes` may come out as anything. */
-LANES_INLINE void packet_init(Packet *p, const Bvh *bvh, const Bundle *b, unsigned lanes)
+/* probe_init for all lanes; those of other kinds may come out as anything. */
+LANES_INLINE void packet_init(Packet *p, const Bvh *bvh, const Bundle *b)
 {
-    Floats o[3], d[3], reach[3], margin[3];
+    Floats o[3], d[3], reach[3];
     for (int k = 0; k < 3; k++) {
         o[k] = b->field[k];
         d[k] = b->field[4 + k];
@@ -104,8 +122,8 @@ LANES_INLINE void packet_init(Packet *p, const Bvh *bvh, const Bundle *b, unsign
     for (int k = 0; k < 3; k++) {
         const Floats size = floats_max(floats_abs(d[k]), smallest);
         p->inverse[k] = floats_sign_of(one / size, d[k]);
-        margin[k] = floats_all(PROBE_MARGIN) * (floats_abs(o[k]) + reach[k] + reach[z]);
-        const Floats wider = margin[k] * floats_abs(p->inverse[k]), at = o[k] * p->inverse[k];
+        p->margin[k] = floats_all(PROBE_MARGIN) * (floats_abs(o[k]) + reach[k] + reach[z]);
+        const Floats wider = p->margin[k] * floats_abs(p->inverse[k]), at = o[k] * p->inverse[k];
         p->near_add[k] = -at - wider;
         p->far_add[k] = wider - at;
     }
@@ -117,9 +135,9 @@ LANES_INLINE void packet_init(Packet *p, const Bvh *bvh, const Bundle *b, unsign
     p->shear[1] = d[y] * p->inverse[z];
     for (int half = 0; half < 2; half++)
         p->inverse_z[half] = doubles_all(1) / doubles_of(d[z], half);
-    p->reach = floats_all(BEST_GRADIENT) * (margin[0] + margin[1] + margin[2])
+    p->reach = floats_all(BEST_GRADIENT) * (p->margin[0] + p->margin[1] + p->margin[2])
                * floats_abs(p->inverse[z]);
-    packet_bounds(p, lanes, o, margin);
+    p->ranged = false;
 
     const Floats none = floats_all(0);
     p->t = p->facing_t = p->limit = b->field[7];

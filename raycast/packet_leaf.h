@@ -142,19 +142,20 @@ LANES_INLINE __m128 edge_range(const __m128 x[2][3], const __m128 r[2][3], int i
 
 /* Bits of the triangles that any ray of the packet may hit: a triangle is left out when one edge
  * function is positive and another negative for all rays within the packet's ranges. The margin
- * in p->width (eight half-ulps of all distances) covers the roundings here and in packet_triangle.
+ * in width[] (eight half-ulps of all distances) covers the roundings here and in packet_triangle.
  */
-LANES_INLINE unsigned packet_filter(const Packet *p, const TriangleGroup *group)
+LANES_INLINE unsigned packet_filter(const Range *p, const int axis[3],
+                                    const TriangleGroup *group)
 {
     const __m128 sign = _mm_set1_ps(-0.0f), deep = _mm_set1_ps(p->width[2]);
     __m128 x[2][3], r[2][3];
     for (int i = 0; i < 3; i++) {
-        const __m128 z = _mm_sub_ps(_mm_loadu_ps(group->vertex[i][p->axis[2]]),
+        const __m128 z = _mm_sub_ps(_mm_loadu_ps(group->vertex[i][axis[2]]),
                                     _mm_set1_ps(p->middle[2]));
         const __m128 far = _mm_add_ps(_mm_andnot_ps(sign, z), deep);
         for (int k = 0; k < 2; k++) {
             const __m128 shear = _mm_set1_ps(p->shear_middle[k]);
-            const __m128 at = _mm_sub_ps(_mm_loadu_ps(group->vertex[i][p->axis[k]]),
+            const __m128 at = _mm_sub_ps(_mm_loadu_ps(group->vertex[i][axis[k]]),
                                          _mm_set1_ps(p->middle[k]));
             x[k][i] = _mm_sub_ps(at, _mm_mul_ps(shear, z));
             const float wide = p->width[k] + fabsf(p->shear_middle[k]) * p->width[2];
@@ -179,7 +180,7 @@ LANES_INLINE void packet_leaf(Packet *p, const Bvh *bvh, uint32_t leaf, unsigned
     for (uint32_t g = begin; g < end; g++) {
         const TriangleGroup *group = &bvh->group[g];
         unsigned left = (unsigned)__builtin_popcount(lanes) >= PACKET_FILTER
-                            ? packet_filter(p, group)
+                            ? packet_filter(&p->range, p->axis, group)
                             : group_used(group);
         for (; left != 0; left &= left - 1)
             packet_triangle(p, group, (unsigned)__builtin_ctz(left), g * GROUP_WIDTH,

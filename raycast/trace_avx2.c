@@ -20,7 +20,7 @@
 
 #include "raycast/lanes_avx2.h"
 
-#include "raycast/packet_walk.h"
+#include "raycast/packet_many.h"
 
 const Kernel kernel_avx2 = KERNEL_TABLE("avx2", packets_nearest, packets_blocked,
                                          packets_keys, stream_nearest, stream_blocked);

@@ -22,7 +22,7 @@
 
 #include "raycast/lanes_avx512.h"
 
-#include "raycast/packet_walk.h"
+#include "raycast/packet_many.h"
 
 const Kernel kernel_avx512 = KERNEL_TABLE("avx512", packets_nearest, packets_blocked,
                                          packets_keys, stream_nearest, stream_blocked);
