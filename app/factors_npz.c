@@ -142,7 +142,7 @@ bool factors_write_patches_npz(const Pipeline *pipeline, const char *path, Error
 {
     const Links *links = pipeline->links;
     const int64_t shape[2] = { links->count, links->count };
-    RowStream stream[2] = { { NULL } };
+    RowStream stream[2] = { { .links = NULL }, { .links = NULL } };
     Npz *npz = npz_open(path, err);
     if (npz == NULL)
         return false;
