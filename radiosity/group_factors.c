@@ -3,6 +3,7 @@
 #include "radiosity/group_factors.h"
 
 #include <assert.h>
+#include <float.h>
 #include <string.h>
 #include <time.h>
 
@@ -190,8 +191,9 @@ double group_factor_error(const GroupFactors *f, uint32_t i, uint32_t j)
     if (!(area > 0))
         return 0;
     const double own = f->error[(size_t)i * f->count + j] / area;
-    const double by_area = group_factor(f, i, j) * f->area_error[i] / area;
-    return sqrt(own * own + by_area * by_area);
+    const double factor = group_factor(f, i, j), by_area = factor * f->area_error[i] / area;
+    const double rounding = factor * FLT_EPSILON / 2;
+    return sqrt(own * own + by_area * by_area + rounding * rounding);
 }
 
 /* Takes the most expensive classes off the list until the rest fits; whether any is left. */

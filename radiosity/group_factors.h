@@ -57,7 +57,8 @@ GroupFactors *group_factors_create(const Room *room, const GroupOptions *options
 /* Frees; NULL is allowed. Always returns NULL. */
 GroupFactors *group_factors_destroy(GroupFactors *factors);
 
-/* F from class i to class j, in [0, 1], and its standard error. A class without area has none. */
+/* F from class i to class j, in [0, 1], and its standard error, the rounding to float that factors
+ * are stored with included. A class without area has none. */
 double group_factor(const GroupFactors *factors, uint32_t i, uint32_t j);
 double group_factor_error(const GroupFactors *factors, uint32_t i, uint32_t j);
 

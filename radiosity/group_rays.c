@@ -18,7 +18,7 @@ typedef struct {
     double   share;
 } Arrival;
 
-enum { ESCAPED = UINT32_MAX };
+#define ESCAPED UINT32_MAX
 
 /* What one patch sent. */
 typedef struct {
