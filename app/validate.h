@@ -51,7 +51,8 @@ const Case *validate_room_cases(size_t *count);
 const Case *validate_plate_cases(size_t *count);
 
 /* A pipeline over a scene made by code, which it takes; solved unless the command is FACTORS or
- * only patches are wanted. The session is filled for it, silent. Clear both in any case with validation_end. */
+ * only patches are wanted. The session is filled for it, silent. Clear both in any case with
+ * validation_end. */
 bool validation_run(const Validation *validation, Scene *scene, const CaseSetup *setup,
                     Session *session, Pipeline *pipeline, Error *err);
 void validation_end(Session *session, Pipeline *pipeline);

@@ -9,7 +9,7 @@
 #include "radiosity/internal.h"
 #include "radiosity/visible.h"
 
-/* Cells of a grid with RAYS_PER_POSITION points of the net in each, when rays are a power of two. */
+/* Cells of a grid with RAYS_PER_POSITION points of the net in each, if rays are a power of two. */
 static uint32_t cells_of(uint32_t rays)
 {
     uint32_t cells = 1;
