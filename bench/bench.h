@@ -3,6 +3,7 @@
  *
  * models.c   triangles of a file, or made here
  * rays.c     the rays of three kinds of work
+ * count.c    steps of the walk
  * embree.c   the peer; without Embree's headers it is not compiled
  * raybench.c the measuring
  */
@@ -40,6 +41,9 @@ typedef struct {
 const char *work_name(Work work);
 bool rays_make(RaySet *set, const Model *model, Work work, Error *err);
 void rays_clear(RaySet *set);
+
+/* Nodes and triangles that a ray visits on the average when it is traced alone. */
+void rays_count(const Bvh *bvh, const RaySet *set, double *nodes, double *triangles);
 
 /* --- the peer -------------------------------------------------------------------------------- */
 

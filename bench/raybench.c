@@ -108,6 +108,8 @@ typedef struct {
     const Settings *settings;
     FILE           *out;
     int             rows;
+    /* of the tree, per number of threads; ours and Embree's */
+    double build[8], peer_build[8], bytes, peer_bytes;
 } Bench;
 
 /* The fastest of Embree's ways; the three best of the first round run again. */
@@ -132,8 +134,27 @@ static int best_mode(const Bench *b, const RaySet *set, unsigned threads, const 
     return best;
 }
 
-static bool measure(Bench *b, const RaySet *set, unsigned threads, Error *err)
+static void write_row(Bench *b, const RaySet *set, int threads, double ours, double theirs,
+                      const char *mode, const double ratio[3])
 {
+    double nodes, triangles;
+    rays_count(b->bvh, set, &nodes, &triangles);
+    fprintf(b->out,
+            "%s\n  { \"scene\": \"%s\", \"triangles\": %u, \"workload\": \"%s\", "
+            "\"threads\": %u,\n    \"isolux_mrays\": %.3f, \"embree_mrays\": %.3f, "
+            "\"embree_mode\": \"%s\", \"ratio\": [%.3f, %.3f, %.3f],\n"
+            "    \"nodes_per_ray\": %.2f, \"triangles_per_ray\": %.2f, "
+            "\"bytes_per_triangle\": %.1f, \"embree_bytes_per_triangle\": %.1f, "
+            "\"build_seconds\": %.4f, \"embree_build_seconds\": %.4f }",
+            b->rows++ > 0 ? "," : "", b->model->name, b->model->triangle_count,
+            work_name(set->work), b->settings->threads[threads], ours, theirs, mode, ratio[0],
+            ratio[1], ratio[2], nodes, triangles, b->bytes, b->peer_bytes, b->build[threads],
+            b->peer_build[threads]);
+}
+
+static bool measure(Bench *b, const RaySet *set, int which, Error *err)
+{
+    const unsigned threads = b->settings->threads[which];
     PeerMode mode[PEER_MODES_MAX];
     const int modes = peer_modes(set->work, mode);
     const int best = best_mode(b, set, threads, mode, modes), pairs = b->settings->pairs;
@@ -160,19 +181,16 @@ static bool measure(Bench *b, const RaySet *set, unsigned threads, Error *err)
                (unsigned long long)mine.hits, (unsigned long long)other.hits,
                (double)mine.primitives / (double)(other.primitives + 1) - 1);
     fflush(stdout);
+    const double ends[3] = { ratio[0], ratio[pairs / 2], ratio[pairs - 1] };
     if (b->out != NULL)
-        fprintf(b->out,
-                "%s\n  { \"scene\": \"%s\", \"workload\": \"%s\", \"threads\": %u, "
-                "\"isolux_mrays\": %.3f, \"embree_mrays\": %.3f, \"embree_mode\": \"%s\", "
-                "\"ratio\": [%.3f, %.3f, %.3f] }",
-                b->rows++ > 0 ? "," : "", b->model->name, work_name(set->work), threads, m, e,
-                modes > 0 ? mode[best].name : "", ratio[0], ratio[pairs / 2], ratio[pairs - 1]);
+        write_row(b, set, which, m, e, modes > 0 ? mode[best].name : "", ends);
     return true;
 }
 
 /* The tree once more for each pair of builds; the last ones stay. */
-static bool builds(const Bench *b, unsigned threads, Bvh **bvh, Peer **peer, Error *err)
+static bool builds(Bench *b, int which, Bvh **bvh, Peer **peer, Error *err)
 {
+    const unsigned threads = b->settings->threads[which];
     const Model *m = b->model;
     const Primitives in = { .position = m->position, .corner = m->corner,
                             .vertex_count = m->vertex_count, .triangle_count = m->triangle_count };
@@ -191,9 +209,12 @@ static bool builds(const Bench *b, unsigned threads, Bvh **bvh, Peer **peer, Err
         *peer = peer_create(m, threads, &theirs[i], &bytes);
     }
     const double a = median(ours, 3), e = median(theirs, 3);
+    b->build[which] = a;
+    b->peer_build[which] = e;
+    b->bytes = (double)stats.bytes / m->triangle_count;
+    b->peer_bytes = (double)bytes / m->triangle_count;
     printf("%-16s build      %u  %8.4f  %8.4f s  %5.2f   %.1f bytes a triangle, Embree %.1f\n",
-           m->name, threads, a, e, e > 0 ? a / e : 0, (double)stats.bytes / m->triangle_count,
-           (double)bytes / m->triangle_count);
+           m->name, threads, a, e, e > 0 ? a / e : 0, b->bytes, b->peer_bytes);
     return true;
 }
 
@@ -208,7 +229,7 @@ static bool bench_scene(Bench *b, const char *name, Error *err)
     b->model = &model;
     bool good = true;
     for (int i = 0; good && i < s->thread_counts; i++)
-        good = builds(b, s->threads[i], &bvh, &peer, err);
+        good = builds(b, i, &bvh, &peer, err);
     b->bvh = bvh;
     b->peer = peer;
     for (Work work = 0; good && work < WORKS; work++) {
@@ -217,7 +238,7 @@ static bool bench_scene(Bench *b, const char *name, Error *err)
             continue;
         good = rays_make(&set, &model, work, err);
         for (int i = 0; good && i < s->thread_counts; i++)
-            good = measure(b, &set, s->threads[i], err);
+            good = measure(b, &set, i, err);
         rays_clear(&set);
     }
     peer_destroy(peer);
