@@ -304,10 +304,13 @@ bool pipeline_patches(Pipeline *pipeline, Error *err)
     const double begin = progress_now();
     const Settings *settings = &session->settings;
     const bool coarse = settings->adapt && !(settings->patch_size > 0);
+    const SidesJoined joined = { pipeline->bvh,
+                                 ray_offset(pipeline->surfaces->largest_coordinate) };
     const PatchOptions po = { .size = settings->patch_size,
                               .wanted = coarse ? pipeline_adapt_start(settings)
                                                : pipeline_groups_patches(pipeline),
-                              .sides = pipeline->sides, .emitting = pipeline->emitting };
+                              .sides = pipeline->sides, .emitting = pipeline->emitting,
+                              .joined = sides_joined, .joined_context = &joined };
     do {
         pipeline->patches = patches_create(pipeline->surfaces, &po, &session->monitor, err);
     } while (pipeline->patches == NULL && pipeline_hurry(pipeline, err));

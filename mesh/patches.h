@@ -5,7 +5,8 @@
  * are cut on a grid: quads and shapes nu x nv cells of (s,t), triangles n x n congruent ones
  * (nu = nv = n); cells are divided further by quadtrees where light changes, each side on its own.
  * Where triangles are much smaller than the patch size, neighbours with like normals and the same
- * material make up one patch: its pieces, each a whole surface (nu = nv = 1).
+ * material make up one patch, small ones of several parts as well: its pieces, each a whole surface
+ * (nu = nv = 1).
  *
  *   quad, shape   cell (i, j) of (nu << level) x (nv << level)
  *   triangle      cell (i, j, upper) of n << level: corners (i,j) (i+1,j) (i,j+1), or when upper
@@ -58,6 +59,11 @@ typedef struct {
     const uint8_t *sides;  /* [surfaces->count]  bit 0: front in use, bit 1: back; NULL: both */
     const uint8_t *emitting; /* [surfaces->count]  the same for the sides that emit: pieces of a
                               merged patch agree in it; NULL: none emits */
+    /* whether light can go from just above a to just above b (points of small surfaces, the normals
+     * out of their sides) without passing anything: then both may be pieces of one merged patch.
+     * NULL: only neighbours are merged */
+    bool   (*joined)(const void *context, const SurfacePoint *a, const SurfacePoint *b);
+    const void *joined_context;
     bool     separate;     /* small triangles stay patches of their own, however many that makes */
 } PatchOptions;
 

@@ -6,8 +6,9 @@
  *
  * A patch has one radiosity, so light that reached one piece would leave from all: no wall may
  * stand between them. Neighbours over an edge are safe where no third surface has the edge and both
- * look the same way. Nothing else is joined: across a gap there may be a wall, and over the edge
- * of a box a slab that it stands on.
+ * look the same way. Over the edge of a box there may be a slab that it stands on, and across a gap
+ * a wall: what is left over is joined across gaps only where the caller finds a way through the
+ * air.
  */
 #include <assert.h>
 #include <math.h>
@@ -186,7 +187,7 @@ static bool merge_side(MergeSetup *setup, const Surfaces *surfaces, uint32_t *cl
     m.cluster_of = array_create(count, sizeof *m.cluster_of, "patch pieces", setup->err);
     m.cluster = array_create(count, sizeof *m.cluster, "patch pieces", setup->err);
     if (!error_is_set(setup->err) && make_pieces(setup) && merge_grow(&m, setup->err)
-        && merge_relax(&m, setup->err)) {
+        && merge_relax(&m, setup->err) && merge_join(&m, setup->options, setup->err)) {
         for (uint32_t i = 0; i < m.count; i++)
             cluster[2 * (size_t)m.piece[i].surface + setup->side] = *base + m.cluster_of[i];
         *base += m.cluster_count;

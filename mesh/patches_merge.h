@@ -123,4 +123,8 @@ bool merge_grow(Merge *m, Error *err);
  * with like normals. */
 bool merge_relax(Merge *m, Error *err);
 
+/* patches_merge_join.c: small clusters to others nearby with like normals that options->joined
+ * finds a way to. fails  false and ERROR_MEMORY. */
+bool merge_join(Merge *m, const PatchOptions *options, Error *err);
+
 #endif

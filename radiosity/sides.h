@@ -44,4 +44,12 @@ bool sides_find(const Surfaces *surfaces, const Bvh *bvh, const Material *materi
                 uint8_t *sides, uint8_t *emitting, SidesReport *report, const Monitor *monitor,
                 Error *err);
 
+/* For PatchOptions.joined: whether there is a way through the air from just above one point to just
+ * above another, straight or over a tent between them. context  a SidesJoined. */
+typedef struct {
+    const Bvh *bvh;
+    double     offset; /* ray_offset(surfaces->largest_coordinate) */
+} SidesJoined;
+bool sides_joined(const void *context, const SurfacePoint *a, const SurfacePoint *b);
+
 #endif
