@@ -5,6 +5,8 @@
  * bvh_split.c  where to cut a range of references, and the cutting
  * bvh_top.c    the same for long ranges, by all threads
  * bvh_build.c  ranges -> nodes and groups, subtrees in parallel, all put together
+ * bvh_refit.c  new boxes for what has moved
+ * bvh_file.c   a tree into a file and back
  */
 #ifndef RAYCAST_BUILD_H
 #define RAYCAST_BUILD_H
@@ -85,6 +87,14 @@ static inline Float4 box_centre(Box box)
 {
     const Int4 three = { -1, -1, -1, 0 };
     return (Float4)((Int4)(box.lo + box.hi) & three);
+}
+
+static inline void node_set_box(Node *node, uint32_t slot, Box box)
+{
+    for (int k = 0; k < 3; k++) {
+        node->plane[2 * k][slot] = box.lo[k];
+        node->plane[2 * k + 1][slot] = box.hi[k];
+    }
 }
 
 /* --- bvh_refs.c ------------------------------------------------------------------------------ */
@@ -181,7 +191,11 @@ bool range_cut_together(const RefSet *set, Range *range, Box centre[2], Error *e
 
 /* --- bvh_build.c ----------------------------------------------------------------------------- */
 
-/* Fills node, group, counts and memory of *bvh. Takes `ref` over and frees it. */
+/* One block for the tree's arrays; fills their addresses and counts, but nothing in them. */
+bool tree_reserve(Bvh *bvh, size_t nodes, size_t groups, size_t shapes, Error *err);
+
+/* Fills node, group, counts and memory of *bvh. Takes `ref` over and frees it. in->shape may be
+ * NULL when something else than shapes has their numbers: then no rays may be asked. */
 bool tree_build(Bvh *bvh, const Primitives *in, Ref *ref, uint32_t count, unsigned threads,
                 Error *err);
 

@@ -49,7 +49,7 @@ static void kernel_choices(KernelChoice choice[KERNELS])
     choice[n] = (KernelChoice){ &kernel_scalar, true };
 }
 
-static const Kernel *kernel_choose(Error *err)
+const Kernel *kernel_choose(Error *err)
 {
     KernelChoice choice[KERNELS];
     kernel_choices(choice);

@@ -41,6 +41,13 @@ typedef struct Bvh Bvh;
 Bvh *bvh_create(const Primitives *primitives, unsigned threads, Error *err);
 Bvh *bvh_destroy(Bvh *bvh);
 
+/* The same primitives after they moved: other positions, shapes in other places, the corners'
+ * numbers as they were. Answers are those of a new tree. The tree keeps its form, so it is made in
+ * a fraction of the time, but rays take longer the more things have gone apart.
+ * fails  false, and the tree is as before: as bvh_create; ERROR_INPUT when a triangle has an area
+ *        that had none when the tree was made. No ray may be under way. */
+bool bvh_refit(Bvh *bvh, const Primitives *moved, unsigned threads, Error *err);
+
 typedef struct {
     uint64_t triangles, shapes, nodes, bytes;
     double   seconds; /* of the build, by the clock */
@@ -74,6 +81,23 @@ void bvh_blocked_many(const Bvh *bvh, const Ray *ray, bool *blocked, size_t coun
  * picture's tile or towards one small lamp: nothing is sorted. */
 void bvh_nearest_beam(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count);
 void bvh_blocked_beam(const Bvh *bvh, const Ray *ray, bool *blocked, size_t count);
+
+/* --- trees in files -------------------------------------------------------------------------- */
+
+/* Writes beside and renames: a reader sees the old file or the new one. The file is in this
+ * machine's order of bytes and ends with a checksum.
+ * fails  false and ERROR_FAILED or ERROR_MEMORY; what stood at `path` stays. */
+bool bvh_save(const Bvh *bvh, const Primitives *primitives, const char *path, Error *err);
+
+/* The tree of these primitives from a file: the one that was saved, bit for bit.
+ * owns   the caller gets the tree.
+ * fails  NULL; ERROR_MEMORY; ERROR_USAGE as bvh_create; ERROR_INPUT when the file cannot be read,
+ *        is no tree, is of another version, was made from other primitives, or is damaged. */
+Bvh *bvh_load(const char *path, const Primitives *primitives, Error *err);
+
+/* The same from bytes that lie in memory; `name` stands in errors. */
+Bvh *bvh_parse(const void *bytes, size_t size, const char *name, const Primitives *primitives,
+               Error *err);
 
 /* Invariants: boxes contain their children and primitives, each primitive is there exactly once. */
 bool bvh_check(const Bvh *bvh);

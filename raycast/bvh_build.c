@@ -197,14 +197,6 @@ static bool part_add_node(Part *part, uint32_t *index, Error *err)
     return true;
 }
 
-static void node_set_box(Node *node, uint32_t slot, Box box)
-{
-    for (int k = 0; k < 3; k++) {
-        node->plane[2 * k][slot] = box.lo[k];
-        node->plane[2 * k + 1][slot] = box.hi[k];
-    }
-}
-
 static bool task_add(Builder *b, const Range *range, uint32_t *child, Error *err)
 {
     if (!array_reserve((void **)b->task, b->task_capacity, *b->task_count + 1, sizeof **b->task,
@@ -361,11 +353,10 @@ static void task_move(void *context, uint32_t begin, uint32_t end, unsigned work
 }
 
 /* One block: nodes, groups, shapes, from a cache line's start. */
-static bool tree_reserve(Bvh *bvh, const Primitives *in, size_t nodes, size_t groups, Error *err)
+bool tree_reserve(Bvh *bvh, size_t nodes, size_t groups, size_t shapes, Error *err)
 {
     if (groups > CHILD_INDEX_MAX)
         return error_set(err, ERROR_INPUT, "too many triangles for one tree");
-    const size_t shapes = in->shape_count;
     bvh->bytes = nodes * sizeof(Node) + groups * sizeof(TriangleGroup) + shapes * sizeof(Shape)
                  + TREE_ALIGNMENT;
     bvh->memory = array_create(bvh->bytes, 1, "tree of boxes", err);
@@ -379,9 +370,7 @@ static bool tree_reserve(Bvh *bvh, const Primitives *in, size_t nodes, size_t gr
     bvh->shape = (Shape *)(void *)(bvh->group + groups);
     bvh->node_count = (uint32_t)nodes;
     bvh->group_count = (uint32_t)groups;
-    bvh->shape_count = in->shape_count;
-    if (shapes > 0)
-        memcpy(bvh->shape, in->shape, shapes * sizeof *in->shape);
+    bvh->shape_count = (uint32_t)shapes;
     return true;
 }
 
@@ -399,8 +388,11 @@ static bool tree_join(Bvh *bvh, Builder *b, unsigned threads, Error *err)
         nodes += task->part.node_count;
         groups += task->part.group_count;
     }
-    if (!tree_reserve(bvh, b->in, nodes, groups, err))
+    const size_t shapes = b->in->shape != NULL ? b->in->shape_count : 0;
+    if (!tree_reserve(bvh, nodes, groups, shapes, err))
         return false;
+    if (shapes > 0)
+        memcpy(bvh->shape, b->in->shape, shapes * sizeof *bvh->shape);
     part_move(bvh, b->in, b->part, *b->task, 0, 0);
     MoveContext c = { .bvh = bvh, .in = b->in, .task = *b->task };
     parallel_for((uint32_t)*b->task_count, 1, threads, task_move, &c, NULL, NULL);

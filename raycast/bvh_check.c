@@ -111,7 +111,8 @@ static bool child_check(Check *c, uint32_t child, uint32_t depth, Extent *below)
 
 static bool node_check(Check *c, uint32_t index, uint32_t depth, Extent *below)
 {
-    if (index >= c->bvh->node_count || depth > BVH_DEPTH)
+    /* More than there are: some are met twice. A tree from a file may be anything. */
+    if (index >= c->bvh->node_count || depth > BVH_DEPTH || c->nodes >= c->bvh->node_count)
         return false;
     const Node *node = &c->bvh->node[index];
     c->nodes++;

@@ -101,4 +101,7 @@ extern const Kernel kernel_avx2;
 extern const Kernel kernel_avx512;
 #endif
 
+/* The best for this processor, or the one ISOLUX_ISA names; NULL and ERROR_USAGE: not there. */
+const Kernel *kernel_choose(Error *err);
+
 #endif
