@@ -8,6 +8,7 @@
 
 #include "app/pipeline_adapt.h"
 #include "app/pipeline_relight.h"
+#include "app/pipeline_stochastic.h"
 #include "app/pipeline_groups.h"
 #include "app/saving.h"
 #include "app/trace.h"
@@ -303,6 +304,7 @@ bool pipeline_patches(Pipeline *pipeline, Error *err)
         return false;
     const double begin = progress_now();
     const Settings *settings = &session->settings;
+    pipeline_stochastic_choose(pipeline, settings->patches);
     const bool coarse = settings->adapt && !(settings->patch_size > 0);
     const SidesJoined joined = { pipeline->bvh,
                                  ray_offset(pipeline->surfaces->largest_coordinate) };
@@ -317,6 +319,7 @@ bool pipeline_patches(Pipeline *pipeline, Error *err)
     if (pipeline->patches == NULL)
         return false;
     set_room(pipeline);
+    pipeline_stochastic_choose(pipeline, pipeline->patches->count);
     pipeline_note(pipeline, STAGE_MESH, begin);
     if (pipeline->patches->count == 0)
         return error_set(err, ERROR_INPUT, "%s: no side of any surface can be reached by light "
@@ -358,6 +361,12 @@ static void set_energy(Pipeline *pipeline)
         Energy *e = &pipeline->energy[band];
         solution_energy(pipeline->solution, pipeline->links, &pipeline->problem, band, sent[band],
                         gone[band], e);
+        if (pipeline->session->settings.stochastic) {
+            /* What rays counted, not what the escaped shares of patches say. */
+            e->escaped = gone[band] + pipeline->stochastic.escaped[band];
+            e->error = e->emitted > 0
+                           ? fabs(e->emitted - e->absorbed - e->escaped) / e->emitted : 0;
+        }
         e->emitted *= square;
         e->absorbed *= square;
         e->escaped *= square;
@@ -389,6 +398,7 @@ bool pipeline_light(Pipeline *pipeline, Error *err)
     assert(pipeline->links != NULL);
     pipeline_begin(pipeline, STAGE_SOLVE);
     const DirectOptions direct = { .seed = settings->seed, .threads = settings->threads,
+                                   .samples = settings->stochastic ? STOCHASTIC_LIGHT_SAMPLES : 0,
                                    .balance = settings->closure != CLOSURE_NONE };
     bool lit;
     do {
@@ -407,7 +417,8 @@ bool pipeline_solve(Pipeline *pipeline, Error *err)
         return false;
     if (session->options.light_groups && !pipeline_light_groups(pipeline, err))
         return false;
-    if (!solved && !run_solver(pipeline, err))
+    if (!solved && !(session->settings.stochastic ? pipeline_stochastic_solve(pipeline, err)
+                                                  : run_solver(pipeline, err)))
         return false;
     if (pipeline->changes.count > 0 && !pipeline_relight(pipeline, solved, err))
         return false;
@@ -443,7 +454,9 @@ void pipeline_clear(Pipeline *pipeline)
     array_free(pipeline->emission);
     array_free(pipeline->reflectance);
     array_free(pipeline->direct.irradiance);
-    links_destroy(pipeline->links);
+    if (pipeline->places.links == NULL)
+        links_destroy(pipeline->links);
+    open_places_clear(&pipeline->places);
     links_destroy(pipeline->raw_links);
     group_factors_destroy(pipeline->groups);
     array_free(pipeline->group_class);

@@ -14,6 +14,7 @@
 #include "radiosity/room.h"
 #include "radiosity/sides.h"
 #include "radiosity/solve.h"
+#include "radiosity/stochastic.h"
 #include "render/gather.h"
 #include "scenes/scene.h"
 
@@ -60,6 +61,8 @@ typedef struct Pipeline {
     double       rounding;          /* largest, relative, of factors in 16 bits */
     bool         factors_loaded;    /* from --factors */
     Links       *raw_links;         /* as cast; factors alone keeps them, else NULL */
+    OpenPlaces   places;            /* of the stochastic solver: its links are those above */
+    StochasticReport stochastic;    /* of its solution */
     AdaptReport  adapt;
     double       factors_seconds;   /* casting alone, without closure */
     Direct       direct;

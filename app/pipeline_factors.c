@@ -8,6 +8,7 @@
 #include "app/pipeline.h"
 #include "app/pipeline_adapt.h"
 #include "app/pipeline_groups.h"
+#include "app/pipeline_stochastic.h"
 #include "app/saving.h"
 #include "radiosity/links_file.h"
 
@@ -128,6 +129,8 @@ bool pipeline_factors(Pipeline *pipeline, Error *err)
     const double begin = progress_now();
     char folder[4096];
     assert(pipeline->patches != NULL && pipeline->links == NULL);
+    if (settings->stochastic)
+        return pipeline_stochastic_places(pipeline, err);
     pipeline_begin(pipeline, STAGE_FACTORS);
     if (!saving_resume(pipeline->saving, err))
         return false;

@@ -54,6 +54,10 @@ Settings quality_settings(const Options *options)
                    .tolerance = level->tolerance, .max_iterations = options->max_iterations,
                    .spp = level->spp, .threads = options->threads, .seed = options->seed,
                    .gather_rays = points ? level->point_rays : level->gather_rays };
+    if (options->solver == SOLVER_COUNT) { /* the word after those of solvers with links */
+        s.stochastic = true;
+        s.solver = SOLVER_GAUSS_SEIDEL;
+    }
     if (options->patches > 0)
         s.patches = options->patches;
     if (options->patch_size > 0) {
@@ -61,7 +65,7 @@ Settings quality_settings(const Options *options)
         s.patches = options->patches;
     }
     s.accuracy = options->accuracy > 0 ? options->accuracy : level->accuracy;
-    s.adapt = adapts(options);
+    s.adapt = adapts(options) && !s.stochastic;
     s.least_size = options->least_size;
     s.repair = repair_options(options);
     s.imprint = (ImprintOptions){ .keep_whole = (options->repair >> REPAIR_CUTS & 1) == 0,
@@ -130,7 +134,7 @@ void quality_print(FILE *out, const Options *options, const Settings *s)
     print_value(out, options, OPTION_ACCURACY, s->accuracy);
     print_choice(out, options, OPTION_CLOSURE, (int)s->closure);
     print_choice(out, options, OPTION_STORAGE, options->storage);
-    print_choice(out, options, OPTION_SOLVER, (int)s->solver);
+    print_choice(out, options, OPTION_SOLVER, s->stochastic ? SOLVER_COUNT : (int)s->solver);
     print_value(out, options, OPTION_TOLERANCE, s->tolerance);
     print_value(out, options, OPTION_MAX_ITERATIONS, s->max_iterations);
     print_value(out, options, OPTION_SPP, s->spp);

@@ -22,6 +22,7 @@ typedef struct {
     double   accuracy;       /* standard error of factors between groups */
     Closure  closure;
     Solver   solver;
+    bool     stochastic;     /* in its place, without links */
     double   tolerance;
     uint32_t max_iterations; /* 0: no limit */
     uint32_t spp;

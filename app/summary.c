@@ -202,11 +202,18 @@ static void put_solve(Json *json, const Pipeline *pipeline)
     const Solution *solution = pipeline->solution;
     double v[4][ROOM_BANDS];
     json_open(json, "solve", '{');
-    json_text(json, "solver", solver_name(pipeline->session->settings.solver));
+    const bool stochastic = pipeline->session->settings.stochastic;
+    json_text(json, "solver", stochastic ? "stochastic"
+                                         : solver_name(pipeline->session->settings.solver));
     json_count(json, "iterations", solution->iterations);
     json_number(json, "residual", solution->residual);
     json_number(json, "unshot", solution->unshot);
     json_number(json, "error_bound", solution->error_bound);
+    if (stochastic) {
+        json_number(json, "estimated_error", pipeline->stochastic.error);
+        json_count(json, "rays", pipeline->stochastic.rays);
+        json_count(json, "groups", pipeline->stochastic.groups);
+    }
     json_bool(json, "converged", solution->converged);
     json_number(json, "seconds", pipeline->seconds[STAGE_SOLVE]);
     json_close(json, '}');
@@ -281,7 +288,7 @@ void summary_pipeline(Json *json, const Pipeline *pipeline)
         put_mesh(json, pipeline);
     if (pipeline->bvh != NULL)
         put_bvh(json, pipeline);
-    if (pipeline->links != NULL)
+    if (pipeline->links != NULL && !pipeline->session->settings.stochastic)
         put_factors(json, pipeline);
     if (pipeline->solution != NULL)
         put_solve(json, pipeline);
@@ -350,6 +357,18 @@ bool summary_write(const Pipeline *pipeline, int exit_code, const Error *failure
 
 /* --- for people ------------------------------------------------------------------------------- */
 
+static void print_stochastic(const Pipeline *pipeline)
+{
+    const StochasticReport *r = &pipeline->stochastic;
+    session_say(pipeline->session, "  solve    stochastic, %u batches, %.3g rays, %.2g unshot, "
+                "irradiance off by %.2g %% (rms, estimated)%s, %.2f s",
+                pipeline->solution->iterations, (double)r->rays, pipeline->solution->unshot,
+                100 * r->error, pipeline->solution->converged ? "" : ": more --rays are needed",
+                pipeline->seconds[STAGE_SOLVE]);
+    session_say(pipeline->session, "           reflected light evened out over %u groups",
+                r->groups);
+}
+
 static void print_light(const Pipeline *pipeline)
 {
     const Energy *e = pipeline->energy;
@@ -361,10 +380,13 @@ static void print_light(const Pipeline *pipeline)
     char bound[48] = "";
     if (isfinite(solution->error_bound))
         snprintf(bound, sizeof bound, ", error below %.2g", solution->error_bound);
-    session_say(pipeline->session, "  solve    %s, %u iterations, residual %.2g%s%s, %.2f s",
-                solver_name(pipeline->session->settings.solver), solution->iterations,
-                solution->residual, solution->converged ? "" : " (tolerance missed)", bound,
-                pipeline->seconds[STAGE_SOLVE]);
+    if (pipeline->session->settings.stochastic)
+        print_stochastic(pipeline);
+    else
+        session_say(pipeline->session, "  solve    %s, %u iterations, residual %.2g%s%s, %.2f s",
+                    solver_name(pipeline->session->settings.solver), solution->iterations,
+                    solution->residual, solution->converged ? "" : " (tolerance missed)", bound,
+                    pipeline->seconds[STAGE_SOLVE]);
     const Relit *relit = &pipeline->relit;
     if (relit->groups != NULL)
         session_say(pipeline->session, "  groups   %u solved apart, %.3f s", relit->group_count,
@@ -411,7 +433,10 @@ void summary_print(const Pipeline *pipeline)
         session_say(session, "  mesh     %u surfaces, %u patches of at most %.4g, %.2f s",
                     pipeline->surfaces->count, pipeline->patches->count, pipeline->patches->size,
                     pipeline->seconds[STAGE_MESH] + pipeline->seconds[STAGE_BVH]);
-    if (pipeline->links != NULL) {
+    if (pipeline->links != NULL && session->settings.stochastic)
+        session_say(session, "  places   judged by %.3g rays, %.2f s",
+                    (double)pipeline->links->rays, pipeline->seconds[STAGE_FACTORS]);
+    else if (pipeline->links != NULL) {
         const double seconds = pipeline->factors_seconds;
         const double rate = seconds > 0 ? 1e-6 * (double)pipeline->links->rays / seconds : 0;
         session_say(session, "  factors  %.3g rays%s, %.2f Mray/s, %.3g MB%s, %.2f s",

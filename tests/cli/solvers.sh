@@ -41,4 +41,16 @@ ok "overshooting" exits 0 solve "$cube" "${fast[@]}" --solver progressive --over
     --json "$DIR/over.json"
 ok "overshooting takes fewer shots" test "$(shots "$DIR/over.json")" -lt \
     "$(shots "$DIR/plain.json")"
+
+# Without links.
+few=(--patches 400 --progress none --solver stochastic)
+ok "stochastic" exits 0 solve "$cube" "${few[@]}" --tolerance 0.1 --json "$DIR/few.json"
+ok "its name and its error" test "$(grep -c '"solver": "stochastic"\|"estimated_error"' \
+    "$DIR/few.json")" = 2
+ok "more rays are needed" exits 4 solve "$cube" "${few[@]}" --rays 1 --tolerance 0.001
+ok "not with options about links" fails 2 'closure: not with' solve "$cube" "${few[@]}" \
+    --closure none
+ok "chosen where links have no room" exits 0 solve "$cube" --patches 30000 --max-memory 100MB \
+    --tolerance 0.2 --json "$DIR/few.json"
+ok "that is told" grep -q '"solver": "stochastic"' "$DIR/few.json"
 finish

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Light without links, for patches that are too many for them. */
+#include "app/pipeline_stochastic.h"
+
+#include <assert.h>
+
+#include "app/trace.h"
+
+/* From here on it takes less time than links for the same error (docs/results.md). */
+enum { STOCHASTIC_PATCHES = 150000 };
+
+/* Bytes of a link, and copies of it while links are closed. */
+enum { LINK_BYTES = 8, LINK_COPIES = 2 };
+
+/* Options that speak of links or of other solvers. */
+static const OptionId needs_links[] = {
+    OPTION_ADAPT, OPTION_LEAST_SIZE, OPTION_LAMP_RAYS, OPTION_CLOSURE, OPTION_STORAGE,
+    OPTION_FACTORS, OPTION_RELAXATION, OPTION_OVERSHOOT, OPTION_NO_AMBIENT, OPTION_COMPARE,
+    OPTION_SET, OPTION_CHANGES, OPTION_LIGHT_GROUPS, OPTION_CHECKPOINT, OPTION_RESUME,
+    OPTION_MAX_ITERATIONS
+};
+
+void pipeline_stochastic_choose(Pipeline *pipeline, uint32_t patches)
+{
+    Session *session = pipeline->session;
+    Settings *s = &session->settings;
+    const unsigned lit = COMMAND_RENDER | COMMAND_SOLVE | COMMAND_MEASURE;
+    if (s->stochastic || options_given(&session->options, OPTION_SOLVER) ||
+        (lit & (unsigned)session->options.command) == 0)
+        return;
+    for (size_t k = 0; k < sizeof needs_links / sizeof *needs_links; k++)
+        if (options_given(&session->options, needs_links[k]))
+            return;
+    const uint64_t bytes = (uint64_t)patches * (s->rays + s->lamp_rays) * LINK_BYTES * LINK_COPIES;
+    const uint64_t limit = session->options.max_memory;
+    const bool large = limit > 0 && bytes > limit;
+    if (patches <= STOCHASTIC_PATCHES && !large)
+        return;
+    s->stochastic = true;
+    s->adapt = false;
+    session_say(session, "isolux: %u patches%s: --solver stochastic, without links", patches,
+                patches > STOCHASTIC_PATCHES ? "" : ", whose links may pass --max-memory");
+}
+
+bool pipeline_stochastic_places(Pipeline *pipeline, Error *err)
+{
+    const Session *session = pipeline->session;
+    const double begin = progress_now();
+    assert(session->settings.stochastic && pipeline->links == NULL);
+    for (size_t k = 0; k < sizeof needs_links / sizeof *needs_links; k++)
+        if (options_given(&session->options, needs_links[k]))
+            return error_set(err, ERROR_USAGE, "%s: not with --solver stochastic",
+                             options_table()[needs_links[k]].name);
+    pipeline_begin(pipeline, STAGE_FACTORS);
+    do {
+        open_places_find(&pipeline->room, session->settings.seed, session->settings.threads,
+                         &pipeline->places, &session->monitor, err);
+    } while (pipeline->places.links == NULL && pipeline_hurry(pipeline, err));
+    pipeline->links = pipeline->places.links;
+    pipeline_note(pipeline, STAGE_FACTORS, begin);
+    pipeline->factors_seconds = pipeline->seconds[STAGE_FACTORS];
+    return pipeline->links != NULL && pipeline_fits(pipeline, 0, session->options.scene, err);
+}
+
+bool pipeline_stochastic_solve(Pipeline *pipeline, Error *err)
+{
+    Session *session = pipeline->session;
+    const Settings *settings = &session->settings;
+    Trace trace;
+    if (!trace_begin(&trace, session->options.trace, pipeline->links->rays, err))
+        return false;
+    const bool given = options_given(&session->options, OPTION_TOLERANCE);
+    const StochasticOptions so = { .tolerance = given ? settings->tolerance : 0,
+                                   .rays = settings->rays, .seed = settings->seed,
+                                   .threads = settings->threads, .trace_user = &trace,
+                                   .trace = trace.file != NULL ? trace_step : NULL };
+    pipeline->solution = stochastic_solve(&pipeline->room, &pipeline->places, &pipeline->problem,
+                                          &so, &pipeline->stochastic, &session->monitor, err);
+    return trace_finish(&trace, err) && pipeline->solution != NULL;
+}

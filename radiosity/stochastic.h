@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* radiosity/stochastic.h -- light on very many patches without links: B = E + rho (H0 + F B) by
+ * rays that carry power.
+ *
+ * All patches shoot what they have not shot yet at once, each ray the same share of it, until next
+ * to nothing is left: stochastic relaxation [neumann95; bekaert99]. What lamps send straight to the
+ * patches is found by visibility rays as well, and the two are weighed by the balance heuristic
+ * [veach95]. Both are done in batches with points of their own, two halves of them kept apart: how
+ * far these differ tells the error. What arrives after a reflection is evened out over neighbouring
+ * patches as far as its noise hides differences between them.
+ * Memory   some 300 bytes per patch, whatever the number of rays.
+ * Units    E, B exitance; H irradiance; three bands.
+ * Balance  each shot's power arrives or escapes; what lacks of the sum is what was never shot.
+ * Threads  made in parallel, same bytes for any number.
+ */
+#ifndef RADIOSITY_STOCHASTIC_H
+#define RADIOSITY_STOCHASTIC_H
+
+#include "radiosity/links.h"
+#include "radiosity/room.h"
+#include "radiosity/solve.h"
+
+/* Which places of patches are outside solids. */
+typedef struct {
+    Links    *links;  /* rows without links: visible area, escaped share (by few rays), rays */
+    uint64_t *open;   /* [links->count]  bit 8 j + k: places (a, b) in [j, j+1) x [k, k+1) / 8 */
+} OpenPlaces;
+
+/* Judges the places of all patches as links are cast: by what rays from there meet.
+ * owns   cleared with open_places_clear.
+ * fails  false; ERROR_MEMORY, ERROR_STOPPED. */
+bool open_places_find(const Room *room, uint32_t seed, unsigned threads, OpenPlaces *places,
+                      const Monitor *monitor, Error *err);
+void open_places_clear(OpenPlaces *places);
+
+typedef struct {
+    double   tolerance;  /* of the estimated error; 0: 0.02 */
+    uint32_t rays;       /* per patch, most in all; 0: 256 */
+    uint32_t seed;
+    unsigned threads;
+    bool     apart;      /* do not even out over neighbours */
+    void   (*trace)(void *user, const SolveStep *step); /* after each pair of batches: residual is
+                                                            the estimated error */
+    void    *trace_user;
+} StochasticOptions;
+
+typedef struct {
+    double   error;      /* estimated: root mean square over areas / that of irradiance */
+    double   escaped[ROOM_BANDS]; /* power, of what patches sent */
+    uint64_t rays;       /* cast */
+    uint32_t groups;     /* that light was evened out over */
+} StochasticReport;
+
+/* The problem's bands are ROOM_BANDS. In the solution iterations are batches, residual and unshot
+ * the power never shot, error_bound NAN; converged: the estimated error is below the tolerance.
+ * Where not even one pair of batches may be cast, one is.
+ * owns   the caller frees with solution_destroy.
+ * fails  NULL; ERROR_MEMORY. A stop by the monitor gives what there is, not converged. */
+Solution *stochastic_solve(const Room *room, const OpenPlaces *places, const SolveProblem *problem,
+                           const StochasticOptions *options, StochasticReport *report,
+                           const Monitor *monitor, Error *err);
+
+#endif

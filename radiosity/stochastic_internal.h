@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* radiosity/stochastic_internal.h -- what the files of the stochastic solver share. */
+#ifndef RADIOSITY_STOCHASTIC_INTERNAL_H
+#define RADIOSITY_STOCHASTIC_INTERNAL_H
+
+#include "radiosity/internal.h"
+#include "radiosity/stochastic.h"
+
+enum {
+    SHOT_CHUNK = BVH_BLOCK,  /* rays sorted and traced together */
+    SHOT_ROUND = 32,         /* chunks whose hits are kept until they are summed */
+    SHOT_BUCKETS = 64,       /* ranges of patches that are summed apart */
+    OPEN_CELLS = 64          /* of a patch, 8 x 8 */
+};
+
+/* Where a ray came to, and what its power is multiplied with. */
+typedef struct {
+    uint32_t target, source;
+    float    weight;
+} Shot;
+
+/* What a thread traces rays with. */
+typedef struct {
+    Ray      *ray;      /* [SHOT_CHUNK] */
+    Hit      *hit;      /* [SHOT_CHUNK] */
+    bool     *blocked;  /* [SHOT_CHUNK] */
+    uint32_t *pending;  /* [SHOT_CHUNK]  rays to be shot again */
+    uint32_t *source;   /* [SHOT_CHUNK] */
+    float    *value;    /* [SHOT_CHUNK] */
+    Shot     *shot;     /* [SHOT_CHUNK] */
+    uint64_t  rays;
+} ShotScratch;
+
+/* Hits of a chunk, sorted by bucket. */
+typedef struct {
+    Shot    *shot;                     /* [SHOT_CHUNK] */
+    uint32_t first[SHOT_BUCKETS + 1];
+    double   sent[ROOM_BANDS], escaped[ROOM_BANDS];
+} ShotChunk;
+
+typedef struct {
+    const Room         *room;
+    const OpenPlaces   *places;
+    const SolveProblem *problem;
+    unsigned     threads;
+    uint32_t     count, seed;
+    LampTable    lamps;
+    double       lamp_power;    /* sum over bands and patches of A E; found by shooter_light */
+    uint32_t     samples;       /* to lamps, per patch and batch */
+    ShotScratch *scratch;       /* [threads] */
+    ShotChunk   *chunk;         /* [SHOT_ROUND] */
+    uint32_t    *first_ray;     /* [count + 1]  of each patch, in the pass under way */
+} Shooter;
+
+/* One pass: which power is shot, and with what. */
+typedef struct {
+    Shooter      *shooter;
+    const double *power;        /* [count * bands]  to be shot */
+    double        all;          /* sum of it over patches and bands */
+    double       *arrived;      /* [count * bands]  power; added to */
+    uint32_t      rays, seed;
+    uint32_t      round;        /* first ray of the round under way */
+    bool          lamps;        /* hits are weighed against visibility rays */
+    double        sent[ROOM_BANDS], escaped[ROOM_BANDS];
+} ShotPass;
+
+bool shooter_create(Shooter *shooter, Error *err);
+void shooter_clear(Shooter *shooter);
+
+/* A place of a patch that lies outside solids, for x in [0,1)^2. */
+void shooter_place(const Shooter *shooter, uint32_t patch, const float x[2], PatchPoint *at);
+
+/* Shoots pass->power by pass->rays rays; `arrived` gets what came to patches, sent what they and
+ * the open were given in all: near to the power, and to be scaled to it. */
+void shooter_shoot(ShotPass *pass);
+
+/* Power that comes straight from lamps into out [count * bands], and what escapes of theirs;
+ * together exactly what they emit. Batches of even numbers sample one net, those of odd numbers
+ * another one. `emitted` [count * bands] is overwritten. */
+void shooter_light(Shooter *shooter, uint32_t batch, uint32_t rays, double *emitted, double *out,
+                   double escaped[ROOM_BANDS]);
+
+/* Share that a visibility ray between a place of a lamp and one of a patch (`weight`: of the
+ * latter, as PatchPoint has it) counts beside `rays` rays from all lamps; geometry: cos cos / d^2. */
+double shooter_share(const Shooter *shooter, uint32_t lamp, uint32_t patch, double weight,
+                     double geometry, uint32_t rays);
+
+/* --- evening out ------------------------------------------------------------------------------ */
+
+/* A tree over the patches: those that lie and look alike stand together. */
+typedef struct {
+    uint32_t  count;
+    uint32_t *order;   /* [count] */
+    uint8_t  *joined;  /* [count]  of the node that is parted at this place: its halves see each
+                          other */
+} EvenTree;
+
+bool even_tree_create(const Room *room, const double *area, unsigned threads, EvenTree *tree,
+                      Error *err);
+void even_tree_clear(EvenTree *tree);
+
+/* Evens out power [count * bands] that came in two halves, each in `quantum` a ray, over nodes
+ * where what is seen of differences is noise; in place, sums are kept. Returns the number of
+ * groups. */
+uint32_t even_tree_apply(const EvenTree *tree, const double *area, double quantum, double *half_a,
+                         double *half_b);
+
+#endif
