@@ -6,7 +6,8 @@
 # hand; takes minutes and, by the finest solution, some GB.
 #
 #   tests/accuracy/adapt.sh [RAYS [FINER]]     rays per patch (1024; half of it for the reference),
-#                                              how many times as fine the reference is (10)
+#                                              how many times as fine the reference is (10: one
+#                                              only 3 times as fine shares the uniform one's errors)
 # KEEP=DIR keeps the references there and takes them from there.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
