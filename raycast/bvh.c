@@ -44,7 +44,7 @@ static void kernel_choices(KernelChoice choice[KERNELS])
                          && __builtin_cpu_supports("avx512dq")
                          && __builtin_cpu_supports("avx512bw");
     choice[n++] = (KernelChoice){ &kernel_avx2, avx2 };
-    choice[n++] = (KernelChoice){ &kernel_sse2, true };
+    choice[n++] = (KernelChoice){ &kernel_sse42, __builtin_cpu_supports("sse4.2") };
 #endif
     choice[n] = (KernelChoice){ &kernel_scalar, true };
 }
@@ -59,7 +59,7 @@ const Kernel *kernel_choose(Error *err)
         if (choice[i].usable && (any || strcmp(wish, choice[i].kernel->name) == 0))
             return choice[i].kernel;
     error_set(err, ERROR_USAGE, "ISOLUX_ISA: this processor or build has no \"%.40s\" "
-              "(there is avx512, avx2, sse2, scalar)", wish);
+              "(there is avx512, avx2, sse4.2, scalar)", wish);
     return NULL;
 }
 

@@ -56,7 +56,15 @@ typedef struct {
 /* What the tree holds and takes; triangles without area count too. */
 void bvh_stats(const Bvh *bvh, BvhStats *stats);
 
-/* The kernel that walks this tree: "avx512", "avx2", "sse2" or "scalar"; the best the processor
+typedef struct {
+    uint64_t nodes, triangles, shapes;
+} BvhCost;
+
+/* Adds to *cost what a ray meets on its way when it is traced alone, to the nearest hit or (`any`)
+ * the first. Rays in company share nodes and meet fewer each. Slow: for measuring. */
+void bvh_cost(const Bvh *bvh, const Ray *ray, bool any, BvhCost *cost);
+
+/* The kernel that walks this tree: "avx512", "avx2", "sse4.2" or "scalar"; the best the processor
  * has, unless the environment variable ISOLUX_ISA named one when the tree was made. All answer
  * alike. */
 const char *bvh_isa(const Bvh *bvh);

@@ -96,7 +96,7 @@ struct Bvh {
 extern const Kernel kernel_scalar;
 #if defined(__SSE2__) && !defined(ISOLUX_SCALAR)
 #define ISOLUX_X86 1
-extern const Kernel kernel_sse2;
+extern const Kernel kernel_sse42;
 extern const Kernel kernel_avx2;
 extern const Kernel kernel_avx512;
 #endif

@@ -178,7 +178,7 @@ static inline Scene *ball_create(int levels, Vec3 centre, double radius)
 /* --- comparing ------------------------------------------------------------------------------- */
 
 #define KERNELS 4
-static const char *const kernel_name[KERNELS] = { "scalar", "sse2", "avx2", "avx512" };
+static const char *const kernel_name[KERNELS] = { "scalar", "sse4.2", "avx2", "avx512" };
 
 typedef struct {
     Bvh *bvh[KERNELS]; /* NULL: not on this machine or in this build */

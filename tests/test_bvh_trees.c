@@ -235,6 +235,37 @@ static void wrong_contents_are_refused(void **state)
     unlink(path);
 }
 
+/* Four triangles side by side in one group, a sphere apart: what rays meet is known. */
+static void costs_are_counted(void **state)
+{
+    (void)state;
+    Error err = { 0 };
+    Scene *s = scene_create(4);
+    for (int i = 0; i < 4; i++)
+        add_triangle(s, vec3(i, 0, 0), vec3(i + 1, 0, 0), vec3(i, 1, 0));
+    Bvh *bvh = bvh_create(&s->in, 1, &err);
+    BvhCost cost = { 0 };
+    bvh_cost(bvh, &(Ray){ 0.2f, 0.2f, -1, 0, 0, 0, 1, INFINITY }, false, &cost);
+    assert_int_equal(cost.nodes, 1);
+    assert_int_equal(cost.triangles, 4);
+    bvh_cost(bvh, &(Ray){ 9, 9, -1, 0, 0, 0, 1, INFINITY }, true, &cost);
+    bvh_cost(bvh, &(Ray){ NAN, 9, -1, 0, 0, 0, 1, INFINITY }, true, &cost);
+    assert_int_equal(cost.nodes, 2); /* missed from the root; no ray at all */
+    assert_int_equal(cost.triangles, 4);
+    assert_int_equal(cost.shapes, 0);
+    bvh_destroy(bvh);
+
+    s->in.triangle_count = 0;
+    add_shape(s, SHAPE_SPHERE, 0, vec3(0, 0, 0), 1);
+    bvh = bvh_create(&s->in, 1, &err);
+    cost = (BvhCost){ 0 };
+    bvh_cost(bvh, &(Ray){ 0, 0, 0, 0, 0, 0, 1, INFINITY }, true, &cost);
+    assert_int_equal(cost.shapes, 1);
+    assert_int_equal(cost.nodes, 1);
+    bvh_destroy(bvh);
+    scene_destroy(s);
+}
+
 static void memory_that_runs_out(void **state)
 {
     (void)state;
@@ -274,6 +305,7 @@ int main(void)
         cmocka_unit_test(trees_come_back_from_files),
         cmocka_unit_test(damaged_files_are_refused),
         cmocka_unit_test(wrong_contents_are_refused),
+        cmocka_unit_test(costs_are_counted),
         cmocka_unit_test(memory_that_runs_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
