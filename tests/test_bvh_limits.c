@@ -124,6 +124,53 @@ static void ties_go_to_the_smaller(void **state)
     scene_destroy(s);
 }
 
+/* --- rounding at its worst -------------------------------------------------------------------- */
+
+/* Thin triangles, far from the origin and at all scales, where rounding is worst. */
+static void slivers_agree(void **state)
+{
+    (void)state;
+    static const double scale[] = { 1e-3, 1, 1e6 }, offset[] = { 0, 30, 1000 };
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+            Random r = { (uint64_t)(10 * a + b) };
+            Scene *s = scene_create(60);
+            const Vec3 centre = vec3(offset[b] * scale[a], -offset[b] * scale[a], 0);
+            for (int i = 0; i < 60; i++) {
+                const Vec3 p = vec3_mad(centre, scale[a], random_cube(&r));
+                const Vec3 q = vec3_mad(p, scale[a], random_cube(&r));
+                add_triangle(s, p, q, vec3_mad(vec3_lerp(p, q, random_unit(&r)), 1e-4 * scale[a],
+                                               random_cube(&r)));
+            }
+            compare_scene(s, 20000, centre, 1.5 * scale[a], 5);
+            scene_destroy(s);
+        }
+}
+
+/* Rays on the lattice the room stands on: along axes, in the planes of boxes, through corners. */
+static void lattice_rays_agree(void **state)
+{
+    (void)state;
+    Scene *s = room_create();
+    Trees trees = trees_create(&s->in);
+    Random r = { 31 };
+    for (uint32_t i = 0; i < 100000 / SLOWER; i++) {
+        Vec3 o, d;
+        do {
+            o = vec3(floor(random_unit(&r) * 11), floor(random_unit(&r) * 11),
+                     floor(random_unit(&r) * 11));
+            d = vec3(floor(random_unit(&r) * 3) - 1, floor(random_unit(&r) * 3) - 1,
+                     floor(random_unit(&r) * 3) - 1);
+        } while (vec3_length(d) == 0);
+        if (i % 2)
+            d = vec3(copysign(d.x, -1), d.y, d.z); /* -0 too */
+        const Ray ray = ray_of(o, d, 0, i % 3 ? INFINITY : 4);
+        compare_ray(&s->in, &trees, &ray);
+    }
+    trees_destroy(&trees);
+    scene_destroy(s);
+}
+
 /* --- faces in one place ---------------------------------------------------------------------- */
 
 /* A square of two triangles in the plane of p, cut by one diagonal or the other; `turned`: facing
@@ -434,6 +481,8 @@ static void memory_failures_leave_nothing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(slivers_agree),
+        cmocka_unit_test(lattice_rays_agree),
         cmocka_unit_test(one_triangle),
         cmocka_unit_test(one_sphere),
         cmocka_unit_test(edge_on),
