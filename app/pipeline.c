@@ -383,6 +383,8 @@ static bool run_solver(Pipeline *pipeline, Error *err)
     const SolveOptions so = { .solver = settings->solver, .tolerance = settings->tolerance,
                               .max_iterations = settings->max_iterations,
                               .threads = settings->threads, .trace_user = &trace,
+                              .centre = pipeline->patches->centre,
+                              .normal = pipeline->patches->normal,
                               .bound = true, .relaxation = session->options.relaxation,
                               .overshoot = session->options.overshoot,
                               .no_ambient = session->options.no_ambient,

@@ -167,6 +167,7 @@ static SolveOptions solve_options(const Pipeline *p)
     return (SolveOptions){ .solver = settings->solver, .tolerance = settings->tolerance,
                            .max_iterations = settings->max_iterations,
                            .relaxation = p->session->options.relaxation,
+                           .centre = p->patches->centre, .normal = p->patches->normal,
                            .threads = settings->threads };
 }
 

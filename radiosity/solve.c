@@ -23,7 +23,8 @@ static const double DEFAULT_TOLERANCE = 1e-6;
 static const uint32_t STALL_ITERATIONS = 64;
 
 static const char *const SOLVER_NAMES[SOLVER_COUNT] = { "gauss-seidel", "jacobi", "progressive",
-                                                        "sor", "cg", "gmres" };
+                                                        "sor", "cg", "gmres",
+                                                        "hierarchical" };
 
 const char *solver_name(Solver solver)
 {
@@ -160,6 +161,8 @@ static double error_bound(const SolveSystem *system, double residual)
 {
     if (residual == 0)
         return 0;
+    if (system->options->solver == SOLVER_HIERARCHICAL)
+        return INFINITY; /* of the links as they are, which it does not solve */
     return system->contraction < 1 ? residual / (1 - system->contraction) : INFINITY;
 }
 
@@ -173,7 +176,9 @@ static void trace_step(const SolveSystem *system, double passes, SolveShow show,
         show(context, system->shown);
         radiosity = system->shown;
     }
-    const double residual = solve_apply(system, radiosity, system->after, NULL);
+    const double residual = system->options->solver == SOLVER_HIERARCHICAL
+                                ? system->solution->residual
+                                : solve_apply(system, radiosity, system->after, NULL);
     const SolveStep step = { .step = system->solution->iterations,
                              .seconds = now - *system->begin, .residual = residual,
                              .unshot = system->solution->unshot, .passes = passes,
@@ -353,6 +358,8 @@ static bool run(const SolveSystem *system, const SolveOptions *options, Solution
         return solve_conjugate_gradients(system, solution, err);
     case SOLVER_GMRES:
         return solve_gmres(system, solution, err);
+    case SOLVER_HIERARCHICAL:
+        return solve_hierarchical(system, solution, err);
     case SOLVER_COUNT:
         break;
     }
@@ -376,7 +383,8 @@ static bool keep_emission(const SolveSystem *system, Solution *solution)
 /* Leaves residual and irradiance of the radiosity it ends with. */
 static bool measures_itself(Solver solver)
 {
-    return solver == SOLVER_CONJUGATE_GRADIENTS || solver == SOLVER_GMRES;
+    return solver == SOLVER_CONJUGATE_GRADIENTS || solver == SOLVER_GMRES ||
+           solver == SOLVER_HIERARCHICAL;
 }
 
 Solution *solve(const Links *links, const SolveProblem *problem, const SolveOptions *options,

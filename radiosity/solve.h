@@ -15,6 +15,7 @@
 
 #include "base/error.h"
 #include "base/monitor.h"
+#include "math/vec3.h"
 #include "radiosity/links.h"
 
 typedef enum {
@@ -24,6 +25,7 @@ typedef enum {
     SOLVER_SOR,
     SOLVER_CONJUGATE_GRADIENTS,
     SOLVER_GMRES,
+    SOLVER_HIERARCHICAL,
     SOLVER_COUNT
 } Solver;
 
@@ -59,6 +61,8 @@ typedef struct {
                                        GMRES a pass */
     bool     single;           /* GMRES, up to 4 bands: products in single precision, for a start
                                   that is near; its residuals stay in double */
+    const Vec3   *centre, *normal; /* [count]  of patches; for the hierarchical solver alone, which
+                                      needs them */
     unsigned threads;
     /* called after every step, from the caller's thread; NULL: not. What it takes to know the
      * residual of each step is not counted in `seconds`. */
@@ -92,7 +96,8 @@ Solution *solve(const Links *links, const SolveProblem *problem, const SolveOpti
 /* Frees; NULL is allowed. Always returns NULL. */
 Solution *solution_destroy(Solution *solution);
 
-/* "gauss-seidel", "jacobi", "progressive", "sor", "cg", "gmres". */
+/* "gauss-seidel", "jacobi", "progressive", "sor", "cg", "gmres",
+ * "hierarchical". */
 const char *solver_name(Solver solver);
 /* The other way; false when there is no solver of that name. */
 bool solver_from_name(const char *name, Solver *solver);
