@@ -36,7 +36,9 @@ typedef struct {
     const StochasticOptions *options;
     double   *power, *left, *arrived;    /* [n = patches * bands]  shot now, left, arrived */
     double   *direct[2], *indirect[2];   /* [n]  power that came in each half */
-    double   *even[2];                   /* [n]  indirect, evened out */
+    double   *even[2];                   /* [n]  direct and indirect, both evened out */
+    double   *spare[2];                  /* [n] */
+    float    *noise;                     /* [patches]  variance of direct power */
     EvenTree  tree;
     size_t    n;
     uint32_t  batches;
@@ -57,7 +59,9 @@ static bool run_create(Run *run, Error *err)
 {
     static const char what[] = "light on patches";
     double **all[] = { &run->power, &run->left, &run->arrived, &run->direct[0], &run->direct[1],
-                       &run->indirect[0], &run->indirect[1], &run->even[0], &run->even[1] };
+                       &run->indirect[0], &run->indirect[1], &run->even[0], &run->even[1],
+                       &run->spare[0], &run->spare[1] };
+    run->noise = array_create(run->shooter.count, sizeof *run->noise, what, err);
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         *all[k] = array_create(run->n, sizeof **all[k], what, err);
     return !error_is_set(err) && shooter_create(&run->shooter, err) &&
@@ -69,7 +73,9 @@ static bool run_create(Run *run, Error *err)
 static void run_clear(Run *run)
 {
     double *all[] = { run->power, run->left, run->arrived, run->direct[0], run->direct[1],
-                      run->indirect[0], run->indirect[1], run->even[0], run->even[1] };
+                      run->indirect[0], run->indirect[1], run->even[0], run->even[1], run->spare[0],
+                      run->spare[1] };
+    array_free(run->noise);
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         array_free(all[k]);
     shooter_clear(&run->shooter);
@@ -165,21 +171,36 @@ static double luminance(const double *v)
     return rgb_luminance(rgb(v[0], v[1], v[2]));
 }
 
-/* Evens out, and tells how far the two halves are apart. */
+/* Evens out, light straight from lamps by how much their visibility rays differed. */
+static void even_out_all(Run *run)
+{
+    const Shooter *s = &run->shooter;
+    const double *area = s->places->links->area, rays = (double)s->samples * run->batches;
+    for (unsigned h = 0; h < 2; h++) {
+        memcpy(run->even[h], run->direct[h], run->n * sizeof *run->even[h]);
+        memcpy(run->spare[h], run->indirect[h], run->n * sizeof *run->spare[h]);
+    }
+    for (uint32_t i = 0; i < s->count; i++)
+        run->noise[i] = (float)fmax(0, s->square[i] - s->seen[i] * (double)s->seen[i] / rays);
+    if (!run->options->apart)
+        even_tree_apply(&run->tree, area, 0, run->noise, run->even);
+    if (!run->options->apart && run->quantum > 0)
+        run->report->groups = even_tree_apply(&run->tree, area, run->quantum, NULL, run->spare);
+    for (unsigned h = 0; h < 2; h++)
+        for (size_t k = 0; k < run->n; k++)
+            run->even[h][k] += run->spare[h][k];
+}
+
+/* How far the two halves are apart. */
 static double estimate_error(Run *run)
 {
     double off = 0, sum = 0, areas = 0;
-    for (unsigned h = 0; h < 2; h++)
-        memcpy(run->even[h], run->indirect[h], run->n * sizeof *run->even[h]);
-    if (!run->options->apart && run->quantum > 0)
-        run->report->groups = even_tree_apply(&run->tree, run->shooter.places->links->area,
-                                              run->quantum, run->even[0], run->even[1]);
+    even_out_all(run);
     for (size_t k = 0; k < run->n; k += ROOM_BANDS) {
         const double area = area_of(run, k);
         if (!(area > 0))
             continue;
-        const double a = luminance(&run->direct[0][k]) + luminance(&run->even[0][k]);
-        const double b = luminance(&run->direct[1][k]) + luminance(&run->even[1][k]);
+        const double a = luminance(&run->even[0][k]), b = luminance(&run->even[1][k]);
         off += (a - b) * (a - b) / area;
         sum += a + b;
         areas += area;
@@ -212,8 +233,7 @@ static void fill_solution(Run *run, Solution *solution)
     const SolveProblem *p = run->shooter.problem;
     for (size_t k = 0; k < run->n; k++) {
         const double area = area_of(run, k);
-        const double power = run->direct[0][k] + run->direct[1][k] + run->even[0][k] +
-                             run->even[1][k];
+        const double power = run->even[0][k] + run->even[1][k];
         solution->irradiance[k] = area > 0 ? power / run->batches / area : 0;
         solution->radiosity[k] = p->emission[k] + p->reflectance[k] * solution->irradiance[k];
     }

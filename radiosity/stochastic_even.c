@@ -21,7 +21,7 @@ static const double JOIN_COSINE = 0.9, LIFT = 0.25;
 static const double ENOUGH_RAYS = 10000;
 
 /* Differences up to this many standard deviations, squared, are taken for noise. */
-static const double NOISE = 3;
+static const double NOISE = 6;
 
 enum { JOIN_CHUNK = 8192 };
 
@@ -186,14 +186,15 @@ void even_tree_clear(EvenTree *tree)
 typedef struct {
     const EvenTree *tree;
     const double   *area;
-    double          quantum;
-    double         *half[2];
+    double          quantum;  /* 0: see noise */
+    const float    *noise;    /* [count]  variance of power */
+    double         *const *half;
     uint32_t        groups;
 } Evening;
 
 /* Of one node: patches that nothing reached do not count, they may be dark for good. */
 typedef struct {
-    double area, power;
+    double area, power, noise;
     bool   even;      /* differences within are noise */
 } EvenNode;
 
@@ -232,11 +233,16 @@ static bool alike(const Evening *e, const EvenNode *a, const EvenNode *b)
 {
     if (!(a->area > 0 && b->area > 0))
         return true;
-    if (a->power + b->power > ENOUGH_RAYS * e->quantum)
+    const double power = a->power + b->power;
+    if (e->noise != NULL ? power * power > ENOUGH_RAYS * (a->noise + b->noise)
+                         : power > ENOUGH_RAYS * e->quantum)
         return false;
     const double off = a->power / a->area - b->power / b->area;
     /* The mean of both, not what each has: noise of the smaller would be taken for small. */
-    const double mean = (a->power + b->power) / (a->area + b->area);
+    const double mean = power / (a->area + b->area);
+    if (e->noise != NULL)
+        return off * off <= NOISE * (a->noise / (a->area * a->area) +
+                                     b->noise / (b->area * b->area));
     return off * off <= NOISE * e->quantum * mean * (1 / a->area + 1 / b->area);
 }
 
@@ -245,11 +251,13 @@ static EvenNode even_out(Evening *e, uint32_t begin, uint32_t end)
     if (end - begin == 1) {
         const uint32_t i = e->tree->order[begin];
         const double power = total(e, i);
-        return (EvenNode){ .area = power > 0 ? e->area[i] : 0, .power = power, .even = true };
+        return (EvenNode){ .area = power > 0 ? e->area[i] : 0, .power = power,
+                           .noise = e->noise != NULL && power > 0 ? e->noise[i] : 0,
+                           .even = true };
     }
     const uint32_t middle = begin + (end - begin) / 2;
     const EvenNode a = even_out(e, begin, middle), b = even_out(e, middle, end);
-    const EvenNode node = { a.area + b.area, a.power + b.power,
+    const EvenNode node = { a.area + b.area, a.power + b.power, a.noise + b.noise,
                             a.even && b.even && e->tree->joined[middle] && alike(e, &a, &b) };
     if (!node.even) {
         settle(e, begin, middle, &a);
@@ -258,11 +266,11 @@ static EvenNode even_out(Evening *e, uint32_t begin, uint32_t end)
     return node;
 }
 
-uint32_t even_tree_apply(const EvenTree *tree, const double *area, double quantum, double *half_a,
-                         double *half_b)
+uint32_t even_tree_apply(const EvenTree *tree, const double *area, double quantum,
+                         const float *noise, double *half[2])
 {
-    Evening e = { .tree = tree, .area = area, .quantum = quantum, .half = { half_a, half_b } };
-    assert(quantum > 0);
+    Evening e = { .tree = tree, .area = area, .quantum = quantum, .noise = noise, .half = half };
+    assert(quantum > 0 || noise != NULL);
     if (tree->count > 0) {
         const EvenNode all = even_out(&e, 0, tree->count);
         settle(&e, 0, tree->count, &all);

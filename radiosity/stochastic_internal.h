@@ -47,6 +47,8 @@ typedef struct {
     LampTable    lamps;
     double       lamp_power;    /* sum over bands and patches of A E; found by shooter_light */
     uint32_t     samples;       /* to lamps, per patch and batch */
+    float       *seen, *square; /* [count]  power of all bands by visibility rays, of all batches;
+                                   sum of its squares */
     ShotScratch *scratch;       /* [threads] */
     ShotChunk   *chunk;         /* [SHOT_ROUND] */
     uint32_t    *first_ray;     /* [count + 1]  of each patch, in the pass under way */
@@ -81,7 +83,8 @@ void shooter_light(Shooter *shooter, uint32_t batch, uint32_t rays, double *emit
                    double escaped[ROOM_BANDS]);
 
 /* Share that a visibility ray between a place of a lamp and one of a patch (`weight`: of the
- * latter, as PatchPoint has it) counts beside `rays` rays from all lamps; geometry: cos cos / d^2. */
+ * latter, as PatchPoint has it) counts beside `rays` rays from all lamps; geometry: cos cos over
+ * the squared distance. */
 double shooter_share(const Shooter *shooter, uint32_t lamp, uint32_t patch, double weight,
                      double geometry, uint32_t rays);
 
@@ -99,10 +102,10 @@ bool even_tree_create(const Room *room, const double *area, unsigned threads, Ev
                       Error *err);
 void even_tree_clear(EvenTree *tree);
 
-/* Evens out power [count * bands] that came in two halves, each in `quantum` a ray, over nodes
- * where what is seen of differences is noise; in place, sums are kept. Returns the number of
- * groups. */
-uint32_t even_tree_apply(const EvenTree *tree, const double *area, double quantum, double *half_a,
-                         double *half_b);
+/* Evens out power [count * bands] that came in two halves over nodes where what is seen of
+ * differences is noise; in place, sums are kept. How noisy the sum over bands and halves is: each
+ * ray brought `quantum`, or noise [count] has its variance. Returns the number of groups. */
+uint32_t even_tree_apply(const EvenTree *tree, const double *area, double quantum,
+                         const float *noise, double *half[2]);
 
 #endif

@@ -73,6 +73,10 @@ static void gather_rays(const LightPass *pass, ShotScratch *c, uint32_t count)
         const size_t i = c->pending[k];
         if (c->blocked[k])
             continue;
+        const double power = c->value[k] * s->places->links->area[i] *
+                             bands_sum(&s->problem->emission[(size_t)c->source[k] * ROOM_BANDS]);
+        s->seen[i] += (float)power;
+        s->square[i] += (float)(power * power);
         for (unsigned b = 0; b < ROOM_BANDS; b++)
             pass->out[i * ROOM_BANDS + b] += c->value[k] * s->places->links->area[i] *
                 s->problem->emission[(size_t)c->source[k] * ROOM_BANDS + b];

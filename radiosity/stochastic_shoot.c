@@ -23,6 +23,8 @@ bool shooter_create(Shooter *s, Error *err)
     s->scratch = array_create(s->threads, sizeof *s->scratch, what, err);
     s->chunk = array_create(SHOT_ROUND, sizeof *s->chunk, what, err);
     s->first_ray = array_create((size_t)s->count + 1, sizeof *s->first_ray, what, err);
+    s->seen = array_create(s->count, sizeof *s->seen, what, err);
+    s->square = array_create(s->count, sizeof *s->square, what, err);
     for (unsigned k = 0; k < s->threads && s->scratch != NULL; k++) {
         ShotScratch *c = &s->scratch[k];
         c->ray = array_create(SHOT_CHUNK, sizeof *c->ray, what, err);
@@ -55,6 +57,8 @@ void shooter_clear(Shooter *s)
     array_free(s->scratch);
     array_free(s->chunk);
     array_free(s->first_ray);
+    array_free(s->seen);
+    array_free(s->square);
     lamp_table_clear(&s->lamps);
 }
 
