@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* isolux bench: rays per second of three kinds, then seconds and memory of each stage. */
+/* isolux bench: rays per second of three kinds on one thread and on all, what a ray meets, then
+ * seconds and memory of each stage. */
 #include <assert.h>
 #include <math.h>
 
@@ -14,8 +15,12 @@ typedef enum { RAYS_CAMERA, RAYS_HEMISPHERE, RAYS_VISIBILITY, RAYS_KINDS } RayKi
 
 /* A chunk is what one thread takes at a time: enough rays to be traced in company. */
 enum { RAY_CHUNK = 16384, RAYS_MOST = 1 << 20 };
+/* Hemisphere rays come as a solver casts them: patch by patch, tiles of neighbouring patches. */
+enum { PATCH_RAYS = 256, TILE_PATCHES = 512, TILES = RAYS_MOST / PATCH_RAYS / TILE_PATCHES };
+/* Rays that are counted what they meet: one in so many, and no divisor of the above. */
+enum { COUNT_STEP = 61 };
 /* Long enough that starting threads does not count. */
-static const double BENCH_SECONDS = 1.0;
+static const double BENCH_SECONDS = 0.5;
 
 typedef struct {
     const Pipeline *pipeline;
@@ -26,9 +31,15 @@ typedef struct {
     uint32_t        count;
 } Bench;
 
+/* What came out for one kind. */
+typedef struct {
+    double alone, all;       /* rays per second on one thread, on all */
+    double nodes, triangles; /* that a ray meets when it is traced alone */
+} RayFigures;
+
 static const char *kind_name(RayKind kind)
 {
-    static const char *const names[] = { "camera", "hemisphere", "visibility" };
+    static const char *const names[] = { "primary", "hemisphere", "visibility" };
     assert((unsigned)kind < RAYS_KINDS);
     return names[kind];
 }
@@ -42,6 +53,18 @@ static void any_point(const Pipeline *pipeline, uint32_t i, uint32_t salt, Patch
     if (patch >= pipeline->patches->count)
         patch = pipeline->patches->count - 1;
     patches_point(pipeline->patches, pipeline->surfaces, patch, a[1], a[2], out);
+}
+
+/* The point that hemisphere ray i leaves from: tiles begin at equal distances among the patches. */
+static void tile_point(const Pipeline *pipeline, uint32_t i, PatchPoint *out)
+{
+    float a[2];
+    const uint32_t at = i / PATCH_RAYS, count = pipeline->patches->count;
+    const uint64_t first = (uint64_t)(at / TILE_PATCHES) * count / TILES;
+    sampling_sobol2(i % PATCH_RAYS, sampling_seed(4, at, 2, 3), a);
+    patches_point(pipeline->patches, pipeline->surfaces,
+                  (uint32_t)((first + at % TILE_PATCHES) % count), (double)a[0], (double)a[1],
+                  out);
 }
 
 static Ray camera_ray(const Bench *bench, uint32_t i)
@@ -66,13 +89,14 @@ static Ray make_ray(const Bench *bench, uint32_t i)
     Vec3 s, t;
     if (bench->kind == RAYS_CAMERA)
         return camera_ray(bench, i);
-    any_point(bench->pipeline, i, 1, &p);
     if (bench->kind == RAYS_VISIBILITY) {
+        any_point(bench->pipeline, i, 1, &p);
         any_point(bench->pipeline, i, 2, &q);
         return ray_between(p.point.point, p.point.normal, q.point.point, q.point.normal,
                            room->offset);
     }
-    sampling_sobol2(i, sampling_seed(3, 1, 2, 3), a);
+    tile_point(bench->pipeline, i, &p);
+    sampling_sobol2(i % PATCH_RAYS, sampling_seed(3, i / PATCH_RAYS, 2, 3), a);
     const Vec3 local = sampling_cosine(a[0], a[1]);
     vec3_frame(p.point.normal, &s, &t);
     const Vec3 d = vec3_mad(vec3_mad(vec3_scale(s, local.x), local.y, t), local.z, p.point.normal);
@@ -100,14 +124,11 @@ static void trace_chunk(void *context, uint32_t begin, uint32_t end, unsigned wo
 }
 
 /* Rays per second of one kind, tracing alone: the rays are made before the clock starts. */
-static double ray_rate(Bench *bench)
+static double ray_rate(Bench *bench, unsigned threads)
 {
-    const Session *session = bench->pipeline->session;
-    const unsigned threads = session->settings.threads;
     double seconds = 0;
     uint64_t rays = 0;
-    parallel_for(bench->count, RAY_CHUNK, threads, fill_chunk, bench, NULL, NULL);
-    while (seconds < BENCH_SECONDS && !session_stopped(session)) {
+    while (seconds < BENCH_SECONDS && !session_stopped(bench->pipeline->session)) {
         const double begin = progress_now();
         parallel_for(bench->count, RAY_CHUNK, threads, trace_chunk, bench, NULL, NULL);
         seconds += progress_now() - begin;
@@ -116,7 +137,33 @@ static double ray_rate(Bench *bench)
     return seconds > 0 ? (double)rays / seconds : 0;
 }
 
-static bool bench_rays(Pipeline *pipeline, double rate[RAYS_KINDS], Error *err)
+static void ray_cost(const Bench *bench, RayFigures *figures)
+{
+    BvhCost cost = { 0 };
+    uint32_t rays = 0;
+    for (uint32_t i = 0; i < bench->count; i += COUNT_STEP, rays++)
+        bvh_cost(bench->pipeline->bvh, &bench->ray[i], bench->kind == RAYS_VISIBILITY, &cost);
+    figures->nodes = (double)cost.nodes / rays;
+    figures->triangles = (double)cost.triangles / rays;
+}
+
+static RayFigures ray_figures(Bench *bench)
+{
+    Session *session = bench->pipeline->session;
+    const unsigned threads = parallel_threads(session->settings.threads);
+    RayFigures figures = { 0 };
+    parallel_for(bench->count, RAY_CHUNK, threads, fill_chunk, bench, NULL, NULL);
+    ray_cost(bench, &figures);
+    figures.alone = figures.all = ray_rate(bench, 1);
+    if (threads > 1)
+        figures.all = ray_rate(bench, threads);
+    session_say(session, "  %-11s%8.2f Mray/s, one thread %.2f; a ray meets %.1f nodes, "
+                "%.1f triangles", kind_name(bench->kind), 1e-6 * figures.all,
+                1e-6 * figures.alone, figures.nodes, figures.triangles);
+    return figures;
+}
+
+static bool bench_rays(Pipeline *pipeline, RayFigures figures[RAYS_KINDS], Error *err)
 {
     Bench bench = { .pipeline = pipeline, .count = RAYS_MOST };
     bench.ray = array_create(bench.count, sizeof *bench.ray, "rays", err);
@@ -124,8 +171,7 @@ static bool bench_rays(Pipeline *pipeline, double rate[RAYS_KINDS], Error *err)
     bench.blocked = array_create(bench.count, sizeof *bench.blocked, "rays", err);
     for (RayKind kind = 0; kind < RAYS_KINDS && !error_is_set(err); kind++) {
         bench.kind = kind;
-        rate[kind] = ray_rate(&bench);
-        session_say(pipeline->session, "  %-11s%8.2f Mray/s", kind_name(kind), 1e-6 * rate[kind]);
+        figures[kind] = ray_figures(&bench);
     }
     array_free(bench.ray);
     array_free(bench.hit);
@@ -133,19 +179,46 @@ static bool bench_rays(Pipeline *pipeline, double rate[RAYS_KINDS], Error *err)
     return !error_is_set(err);
 }
 
-static bool write_json(const Pipeline *pipeline, const double rate[RAYS_KINDS], int exit_code,
-                       Error *err)
+static void put_rays(Json *json, const char *workload, unsigned threads, double rate,
+                     const RayFigures *figures)
 {
+    json_open(json, NULL, '{');
+    json_text(json, "workload", workload);
+    json_count(json, "threads", threads);
+    json_number(json, "rays_per_second", rate);
+    json_number(json, "nodes_per_ray", figures->nodes);
+    json_number(json, "triangles_per_ray", figures->triangles);
+    json_close(json, '}');
+}
+
+static void put_tree(Json *json, const Pipeline *pipeline)
+{
+    BvhStats stats;
+    bvh_stats(pipeline->bvh, &stats);
+    json_text(json, "kernel", bvh_isa(pipeline->bvh));
+    json_number(json, "build_seconds", stats.seconds);
+    json_number(json, "bytes_per_triangle",
+                stats.triangles > 0 ? (double)stats.bytes / (double)stats.triangles : NAN);
+}
+
+static bool write_json(const Pipeline *pipeline, const RayFigures figures[RAYS_KINDS],
+                       int exit_code, Error *err)
+{
+    const unsigned threads = parallel_threads(pipeline->session->settings.threads);
     Summary summary;
     if (!summary_begin(&summary, pipeline->session, exit_code, err, err))
         return false;
     if (summary.file == NULL)
         return true;
     Json *json = &summary.json;
-    json_open(json, "rays_per_second", '{');
-    for (RayKind kind = 0; kind < RAYS_KINDS; kind++)
-        json_number(json, kind_name(kind), rate[kind]);
-    json_close(json, '}');
+    json_open(json, "bench", '[');
+    for (RayKind kind = 0; kind < RAYS_KINDS; kind++) {
+        put_rays(json, kind_name(kind), 1, figures[kind].alone, &figures[kind]);
+        if (threads > 1)
+            put_rays(json, kind_name(kind), threads, figures[kind].all, &figures[kind]);
+    }
+    json_close(json, ']');
+    put_tree(json, pipeline);
     summary_pipeline(json, pipeline);
     json_open(json, "peak_bytes", '{');
     for (Stage stage = 0; stage < STAGE_GATHER; stage++)
@@ -157,7 +230,7 @@ static bool write_json(const Pipeline *pipeline, const double rate[RAYS_KINDS], 
 bool cmd_bench(Pipeline *pipeline, int *exit_code, Error *err)
 {
     Session *session = pipeline->session;
-    double rate[RAYS_KINDS] = { 0 };
+    RayFigures figures[RAYS_KINDS] = { 0 };
     if (session->options.scene == NULL) {
         session->options.scene = "the built-in Cornell box";
         pipeline->scene = model_cornell(err);
@@ -168,7 +241,7 @@ bool cmd_bench(Pipeline *pipeline, int *exit_code, Error *err)
         return false;
     session_say(session, "isolux: %s, %u threads", session->options.scene,
                 parallel_threads(session->settings.threads));
-    if (!bench_rays(pipeline, rate, err) || !pipeline_factors(pipeline, err) ||
+    if (!bench_rays(pipeline, figures, err) || !pipeline_factors(pipeline, err) ||
         !pipeline_solve(pipeline, err))
         return false;
     for (Stage stage = 0; stage < STAGE_GATHER; stage++)
@@ -177,5 +250,5 @@ bool cmd_bench(Pipeline *pipeline, int *exit_code, Error *err)
     summary_print(pipeline);
     *exit_code = pipeline_exit_code(pipeline);
     session->told = true;
-    return write_json(pipeline, rate, *exit_code, err);
+    return write_json(pipeline, figures, *exit_code, err);
 }
