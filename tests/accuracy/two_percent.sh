@@ -22,11 +22,11 @@ least() {
 }
 
 printf '%-14s %8s %5s %10s %8s %8s %10s\n' solver patches rays lamp-rays 'CPU s' error balance
-for row in "gauss-seidel 1000 128" "gauss-seidel 2000 64" "gauss-seidel 2000 128" \
-           "gauss-seidel 2000 160" "gauss-seidel 2500 128" \
-           "hierarchical 2000 64" "hierarchical 2000 128" "hierarchical 2000 256"; do
+for row in "gauss-seidel 1000 128 32" "gauss-seidel 2000 64 32" "gauss-seidel 2000 128 32" \
+           "gauss-seidel 2000 128 64" "gauss-seidel 2500 128 32" "hierarchical 2000 64 32" \
+           "hierarchical 2000 128 32" "hierarchical 2000 256 32"; do
     set -- $row
-    options=(solve "$SCENE" --solver "$1" --patches "$2" --no-adapt --rays "$3" --lamp-rays 32
+    options=(solve "$SCENE" --solver "$1" --patches "$2" --no-adapt --rays "$3" --lamp-rays "$4"
              --tolerance 1e-3)
     "$ISOLUX" "${options[@]}" -o "$DIR/a.ply" --json "$DIR/a.json" 2>"$DIR/err" ||
         { cat "$DIR/err"; exit 1; }
@@ -37,6 +37,6 @@ for row in "gauss-seidel 1000 128" "gauss-seidel 2000 64" "gauss-seidel 2000 128
     all=$(least "${options[@]}")
     rest=$(least solve "$SCENE" --patches "$2" --no-adapt --rays 1 --lamp-rays 1 --closure none \
            --max-iterations 1)
-    printf '%-14s %8s %5s %10s %8.3f %6s %% %10.1e\n' "$1" "$2" "$3" 32 \
+    printf '%-14s %8s %5s %10s %8.3f %6s %% %10.1e\n' "$1" "$2" "$3" "$4" \
         "$(awk "BEGIN { print $all - $rest }")" "$error" "$balance"
 done
