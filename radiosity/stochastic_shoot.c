@@ -68,7 +68,7 @@ void shooter_place(const Shooter *s, uint32_t patch, const float x[2], PatchPoin
     double a = x[0], b = x[1];
     assert(open != 0);
     if (open != UINT64_MAX) {
-        const double along = x[0] * __builtin_popcountll(open);
+        const double along = x[0] * (double)__builtin_popcountll(open);
         uint64_t left = open;
         for (uint32_t k = (uint32_t)along; k > 0; k--)
             left &= left - 1;
