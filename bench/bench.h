@@ -4,6 +4,7 @@
  * models.c   triangles of a file, or made here
  * rays.c     the rays of three kinds of work
  * count.c    steps of the walk
+ * copies.c   a picture of many copies
  * embree.c   the peer; without Embree's headers it is not compiled
  * raybench.c the measuring
  */
@@ -22,7 +23,8 @@ typedef struct {
     double    fov; /* degrees, upright */
 } Model;
 
-/* `name`: "cornell", "cornell100k", "room", "room12m", or a scene file.
+/* `name`: "cornell", "cornell100k", "room", "room12m", "solids" (the room without walls), or a
+ * scene file.
  * owns  the caller clears with model_clear. */
 bool model_read(Model *model, const char *name, Error *err);
 void model_clear(Model *model);
@@ -68,6 +70,10 @@ int peer_modes(Work work, PeerMode mode[PEER_MODES_MAX]);
 Peer *peer_create(const Model *model, unsigned threads, double *build_seconds, uint64_t *bytes);
 Peer *peer_destroy(Peer *peer);
 Traced peer_trace(const Peer *peer, const RaySet *set, const PeerMode *mode, unsigned threads);
+
+/* A picture (PNG) of copies of a model, and what they take. */
+bool copies_draw(const Model *model, uint32_t count, unsigned threads, const char *path,
+                 Error *err);
 
 double bench_now(void);
 

@@ -136,8 +136,19 @@ static void add_round(Model *m, Vec3 centre, double radius, double tube, uint32_
     add_cells(m, first, around, along);
 }
 
-/* Walls of squares of side `step`, solids as in add_round. */
-static bool make_room(Model *m, double step, uint32_t along, Error *err)
+/* The six walls of 0..x, 0..y, 0..z, seen from inside. */
+static void add_walls(Model *m, double x, double y, double z, double step)
+{
+    add_wall(m, vec3(0, 0, 0), vec3(0, 0, z), vec3(x, 0, 0), step);
+    add_wall(m, vec3(0, y, 0), vec3(x, 0, 0), vec3(0, 0, z), step);
+    add_wall(m, vec3(0, 0, 0), vec3(x, 0, 0), vec3(0, y, 0), step);
+    add_wall(m, vec3(0, 0, z), vec3(0, y, 0), vec3(x, 0, 0), step);
+    add_wall(m, vec3(0, 0, 0), vec3(0, y, 0), vec3(0, 0, z), step);
+    add_wall(m, vec3(x, 0, 0), vec3(0, 0, z), vec3(0, y, 0), step);
+}
+
+/* Walls of squares of side `step`, solids as in add_round. Without walls, the same solids. */
+static bool make_room(Model *m, double step, uint32_t along, bool walls, Error *err)
 {
     const double x = 10, y = 4, z = 8;
     enum { SOLIDS = 120 };
@@ -146,12 +157,8 @@ static bool make_room(Model *m, double step, uint32_t along, Error *err)
     const uint32_t most = squares + SOLIDS * 2 * along * along;
     if (!model_reserve(m, most + most / 8, 2 * most, err))
         return false;
-    add_wall(m, vec3(0, 0, 0), vec3(0, 0, z), vec3(x, 0, 0), step);
-    add_wall(m, vec3(0, y, 0), vec3(x, 0, 0), vec3(0, 0, z), step);
-    add_wall(m, vec3(0, 0, 0), vec3(x, 0, 0), vec3(0, y, 0), step);
-    add_wall(m, vec3(0, 0, z), vec3(0, y, 0), vec3(x, 0, 0), step);
-    add_wall(m, vec3(0, 0, 0), vec3(0, y, 0), vec3(0, 0, z), step);
-    add_wall(m, vec3(x, 0, 0), vec3(0, 0, z), vec3(0, y, 0), step);
+    if (walls)
+        add_walls(m, x, y, z, step);
     for (int i = 0; i < SOLIDS; i++) {
         const double jx = 0.3 * (unit(&r) - 0.5), jy = 0.3 * (unit(&r) - 0.5);
         const double jz = 0.3 * (unit(&r) - 0.5), size = 0.7 + 0.5 * unit(&r);
@@ -184,9 +191,11 @@ bool model_read(Model *model, const char *name, Error *err)
     const char *base = strrchr(name, '/');
     snprintf(model->name, sizeof model->name, "%s", base != NULL ? base + 1 : name);
     if (strcmp(name, "room") == 0)
-        make_room(model, 0.1, 50, err);
+        make_room(model, 0.1, 50, true, err);
+    else if (strcmp(name, "solids") == 0)
+        make_room(model, 0.1, 50, false, err);
     else if (strcmp(name, "room12m") == 0)
-        make_room(model, 0.05, 160, err);
+        make_room(model, 0.05, 160, true, err);
     else if (strcmp(name, "cornell") == 0)
         read_file(model, cornell, err);
     else if (strcmp(name, "cornell100k") != 0)

@@ -2,6 +2,7 @@
 /* Rays per second against Embree's best mode and order, in turns over the same rays.
  *
  *   raybench [-j 1,2] [-n PAIRS] [-w hvp] [-o FILE.json] [-v] [-c] SCENE...
+ *   raybench -i COPIES -o FILE.png SCENE    a picture of so many copies of one tree
  *
  * Every mode of Embree is tried once or twice; the best is then measured in turns with ours, PAIRS
  * times. A pair's ratio is ours over Embree's; min, median and max over the pairs are told. */
@@ -22,6 +23,7 @@ typedef struct {
     unsigned    threads[8];
     int         thread_counts, pairs;
     const char *works, *out;
+    uint32_t    copies; /* 0: measure rays */
     bool        verbose;
 } Settings;
 
@@ -251,7 +253,7 @@ static Settings read_options(int argc, char **argv)
 {
     Settings s = { .threads = { 1, 2 }, .thread_counts = 2, .pairs = 7, .works = "hvp" };
     int c;
-    while ((c = getopt(argc, argv, "j:n:w:o:vc")) != -1) {
+    while ((c = getopt(argc, argv, "j:n:w:o:i:vc")) != -1) {
         if (c == 'j') {
             s.thread_counts = 0;
             for (char *p = strtok(optarg, ","); p != NULL && s.thread_counts < 8;
@@ -265,6 +267,8 @@ static Settings read_options(int argc, char **argv)
             s.out = optarg;
         else if (c == 'c')
             clock_used = CLOCK_PROCESS_CPUTIME_ID;
+        else if (c == 'i')
+            s.copies = (uint32_t)strtoul(optarg, NULL, 10);
         else if (c == 'v')
             s.verbose = true;
         else
@@ -275,16 +279,32 @@ static Settings read_options(int argc, char **argv)
             s.threads[i] = SUMS;
     if (s.pairs < 1 || s.pairs > PAIRS_MAX || s.thread_counts == 0 || optind >= argc) {
         fprintf(stderr, "usage: raybench [-j 1,2] [-n PAIRS] [-w hvp] [-o FILE] [-v] [-c] "
-                        "SCENE...\nSCENE: cornell, cornell100k, room, room12m or a file\n");
+                        "SCENE...\n       raybench -i COPIES -o FILE.png SCENE\n"
+                        "SCENE: cornell, cornell100k, room, room12m, solids or a file\n");
         exit(2);
     }
     return s;
+}
+
+static int draw_copies(const Settings *s, const char *name)
+{
+    Error err = { 0 };
+    Model model;
+    if (model_read(&model, name, &err))
+        copies_draw(&model, s->copies, s->threads[s->thread_counts - 1],
+                    s->out != NULL ? s->out : "copies.png", &err);
+    model_clear(&model);
+    if (error_is_set(&err))
+        fprintf(stderr, "raybench: %s\n", err.text);
+    return error_is_set(&err) ? 1 : 0;
 }
 
 int main(int argc, char **argv)
 {
     const Settings s = read_options(argc, argv);
     Error err = { 0 };
+    if (s.copies > 0)
+        return draw_copies(&s, argv[optind]);
     Bench b = { .settings = &s, .out = s.out != NULL ? fopen(s.out, "w") : NULL };
     if (b.out != NULL)
         fputc('[', b.out);
