@@ -17,6 +17,10 @@ static const double FAR_SIZES = 64;
  * a room of ten metres. */
 static const double COARSE_SHARE = 1e-4;
 
+/* How far apart positions may be that mean one, in steps of a coordinate: position_tolerance allows
+ * floats as much, 8 halves. */
+static const double GRAIN_STEPS = 4;
+
 /* What one axis is moved by: on a grid of a power of two no finer than the scene is long, so that
  * few bits of it are used and the difference with a number near it is exact. */
 static double axis_shift(double lo, double hi, double size)
@@ -51,6 +55,61 @@ static double axis_grain(const Polygons *soup, int axis, double lo, double hi)
     return odd ? step : 0;
 }
 
+/* --- decimals --------------------------------------------------------------------------------- */
+
+/* Digits that a coordinate may have: with more, nothing is lost that a double would keep. Powers of
+ * ten up to the other number are doubles. */
+enum { DIGITS_LEAST = 5, DIGITS_MOST = 12, POWER_MOST = 22 };
+
+/* So much smaller coordinates have steps a hundred times as fine, when all have as many digits. */
+enum { FINER = 2 };
+
+static int decimal_exponent(double x) { return (int)floor(log10(fabs(x))); }
+
+/* Whether x is the double next to a number of so many decimal digits. */
+static bool has_digits(double x, int digits)
+{
+    const int places = x == 0 ? 0 : digits - 1 - decimal_exponent(x);
+    if (places > POWER_MOST)
+        return true;
+    const double scale = pow(10, places > 0 ? places : 0);
+    return nearbyint(x * scale) / scale == x;
+}
+
+/* How many digits the coordinates have been written with; more than DIGITS_MOST: what a double
+ * needs. */
+static int count_digits(const Polygons *soup)
+{
+    int digits = 1;
+    for (size_t i = 0; i < soup->vertex_count; i++)
+        for (int axis = 0; axis < 3; axis++)
+            while (digits <= DIGITS_MOST && !has_digits(vec3_axis(soup->position[i], axis), digits))
+                digits++;
+    return digits;
+}
+
+/* The step of the farthest coordinates in a text with a fixed number of digits, and 0 for other
+ * texts. It has one when both the farthest and far smaller coordinates need as many: on whole
+ * millimetres, or written as short as can be, those near the origin need fewer. */
+static double digits_grain(const Polygons *soup, double farthest)
+{
+    const int digits = count_digits(soup), most = decimal_exponent(farthest);
+    bool far = false, near = false;
+    if (digits < DIGITS_LEAST || digits > DIGITS_MOST)
+        return 0;
+    for (size_t i = 0; i < soup->vertex_count; i++)
+        for (int axis = 0; axis < 3; axis++) {
+            const double x = vec3_axis(soup->position[i], axis);
+            if (has_digits(x, digits - 1))
+                continue;
+            far = far || decimal_exponent(x) == most;
+            near = near || decimal_exponent(x) <= most - FINER;
+        }
+    return far && near ? pow(10, most - digits + 1) : 0;
+}
+
+/* --- moving ----------------------------------------------------------------------------------- */
+
 static bool move_shapes(Polygons *soup, Vec3 by, Error *err)
 {
     for (size_t i = 0; i < soup->shape_count; i++) {
@@ -83,7 +142,7 @@ bool scene_recentre(Scene *scene, const Monitor *monitor, Error *err)
     assert(scene != NULL && err != NULL);
     Polygons *soup = &scene->polygons;
     Vec3 lo, hi;
-    double grain = 0, far = 0, by[3];
+    double grain = 0, far = 0, farthest = 0, by[3];
     if (!polygons_bounds(soup, &lo, &hi))
         return true;
     const Vec3 extent = vec3_sub(hi, lo);
@@ -93,14 +152,22 @@ bool scene_recentre(Scene *scene, const Monitor *monitor, Error *err)
     for (int axis = 0; axis < 3; axis++) {
         const double low = vec3_axis(lo, axis), high = vec3_axis(hi, axis);
         by[axis] = axis_shift(low, high, size);
+        if (by[axis] != 0)
+            farthest = fmax(farthest, fmax(fabs(low), fabs(high)));
         if (by[axis] == 0 || float_step(by[axis]) <= COARSE_SHARE * size)
             continue;
         const double step = axis_grain(soup, axis, low, high);
         grain = fmax(grain, step);
         far = step > 0 ? fmax(far, fmax(fabs(low), fabs(high))) : far;
     }
+    double apart = grain > 0 ? position_tolerance(far) : 0;
+    if (grain == 0 && farthest > 0) {
+        const double step = digits_grain(soup, farthest);
+        grain = step > COARSE_SHARE * size ? step : 0;
+        apart = GRAIN_STEPS * grain;
+    }
     if (grain > 0) {
-        soup->grain = position_tolerance(far);
+        soup->grain = apart;
         monitor_warn(monitor, "coordinates-coarse", scene->file,
                      "coordinates so far from the origin are rounded to steps of %g in a scene of "
                      "%.3g: its shape has suffered already; export it nearer to the origin", grain,

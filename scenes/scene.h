@@ -56,7 +56,7 @@ Scene *scene_destroy(Scene *scene);
 
 /* Moves a scene that is far from the origin, compared with its size, next to it; scene_read has
  * done so. Exact: the way is a multiple of a power of two about as large as the scene. Warns when
- * the coordinates are floats too coarse for it ("coordinates-coarse").
+ * the coordinates are floats, or have too few digits, too coarse for it ("coordinates-coarse").
  * fails  false and ERROR_INPUT when a shape cannot be moved. */
 bool scene_recentre(Scene *scene, const Monitor *monitor, Error *err);
 /* Between the file's coordinates and those in here. */

@@ -165,6 +165,36 @@ static void test_whole_numbers_are_fine(void **state)
     scene_destroy(scene);
 }
 
+/* A turned box, written in nine digits: millimetres where x is 2e5, far less where z is 1. */
+static void test_few_digits_are_coarse(void **state)
+{
+    (void)state;
+    static const Vec3 corner[8] = {
+        { 200002.426, 199999.424, -0.178126225 }, { 200001.258, 200002.064, 0.638450181 },
+        { 200000.573, 200000.576, 0.178126225 },  { 200000.742, 199997.936, -0.638450181 },
+        { 200002.427, 199999.837, 2.56646745 },   { 200001.259, 200001.325, 3.02679143 },
+        { 200000.574, 199998.685, 2.21021512 },   { 200000.743, 199997.197, 1.74989104 },
+    };
+    for (int fine = 0; fine < 2; fine++) {
+        Error err = { 0 };
+        Told told = { 0 };
+        const Monitor monitor = { .user = &told, .warn = take };
+        Scene *scene = scene_create("a scene", &err);
+        uint32_t index;
+        /* On whole millimetres throughout nothing shows that any have been lost. */
+        for (int k = 0; k < 8; k++) {
+            Vec3 p = corner[k];
+            p.z = fine ? nearbyint(p.z * 1000) / 1000 : p.z;
+            assert_true(polygons_add_vertex(&scene->polygons, p, &index, &err));
+        }
+        add_face(scene, &err);
+        assert_true(scene_recentre(scene, &monitor, &err));
+        assert_int_equal(told.told, !fine);
+        assert_true(fabs(scene->polygons.grain - (fine ? 0 : 0.004)) < 1e-12);
+        scene_destroy(scene);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -172,6 +202,7 @@ int main(void)
         cmocka_unit_test(test_far_comes),
         cmocka_unit_test(test_floats_are_coarse),
         cmocka_unit_test(test_whole_numbers_are_fine),
+        cmocka_unit_test(test_few_digits_are_coarse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
