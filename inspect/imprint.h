@@ -5,11 +5,14 @@
  * other when a patch lies under both. So each flat face is cut where the edge of another touches
  * it, or another crosses it, before anything is divided: discontinuity meshing of order zero
  * [heckbert92]. What lies inside a solid becomes a face of its own that no ray reaches. Where two
- * faces lie in one plane and look the same way, the larger one gives up the part in common; to a
- * sheet of light any face that gives none gives way. A body that gives light all round and touches
- * a wall gives way itself: it neither opens the wall nor shines through it; unless it is outside,
- * sunk into the wall of an enclosed place. Of two faces with the same corners, wound alike, the one
- * that gives light stays, else the first.
+ * faces lie in one plane and look the same way, the larger one gives up the part in common. So it
+ * does when they look opposite ways and the smaller one lies on it: as the bottom of an open thing
+ * that stands before it, or a sheet that could be seen from nowhere else, as a rug wound downwards;
+ * else, and when the corners are the same, they are the sides of a plate. To a sheet of light that
+ * is no side of a plate any face that gives none gives way. A body that gives light all round and
+ * touches a wall gives way itself: it neither opens the wall nor shines through it; unless it is
+ * outside, sunk into the wall of an enclosed place. Of two faces with the same corners, wound
+ * alike, the one that gives light stays, else the first.
  *
  * Cuts run on across the whole face where that makes few pieces, so that the pieces of a rectangle
  * are rectangles, edge to edge; otherwise only as far as they must.

@@ -94,6 +94,16 @@ static bool is_enclosed(const ImprintParts *parts, const Bvh *bvh, const Imprint
     return 2 * escaped < RAYS;
 }
 
+bool imprint_enclosed(const ImprintParts *parts, ImprintContacts *c, const ImprintPart *part,
+                      Vec3 out, bool *enclosed, Error *err)
+{
+    assert(part != NULL && enclosed != NULL);
+    if (c->bvh == NULL && !build_bvh(parts, c, err))
+        return false;
+    *enclosed = is_enclosed(parts, c->bvh, part, out, 0);
+    return true;
+}
+
 bool imprint_body_opens(const ImprintParts *parts, uint32_t lamp, ImprintContacts *c, bool *opens,
                         Error *err)
 {

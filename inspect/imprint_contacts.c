@@ -77,31 +77,6 @@ static bool yields_to_lamp(ImprintContacts *c, const Pairing *pair, bool same_wa
     return true;
 }
 
-/* Whether the part gives way to another in its plane: a lamp goes first; then, of two that look the
- * same way, the smaller face: it is the one that someone put there; of equals the one that gives
- * light stays, else the earlier. Never both, and never in a ring, so that something stays
- * everywhere. */
-static bool gives_way(ImprintContacts *c, const Pairing *pair, bool *way, Error *err)
-{
-    const ImprintPart *part = pair->part, *other = pair->other;
-    const LampKind lamp = (LampKind)c->lamp[part - pair->parts->part];
-    const LampKind other_lamp = (LampKind)c->lamp[other - pair->parts->part];
-    const bool same_way = vec3_dot(part->normal, other->normal) > 0;
-    if ((lamp == LAMP_NONE) != (other_lamp == LAMP_NONE)) {
-        bool yields;
-        if (!yields_to_lamp(c, pair, same_way, &yields, err))
-            return false;
-        *way = yields == (lamp == LAMP_NONE);
-    } else if (!same_way) {
-        *way = false;
-    } else if (lamp != other_lamp) {
-        *way = other_lamp < lamp;
-    } else {
-        *way = other->area != part->area ? other->area < part->area : other < part;
-    }
-    return true;
-}
-
 static bool has_middle(const ImprintParts *parts, const ImprintPart *part, const ImprintPart *of)
 {
     Vec3 middle = { 0 };
@@ -116,6 +91,54 @@ static bool lie_on(const Pairing *pair)
 {
     return has_middle(pair->parts, pair->part, pair->other)
         || has_middle(pair->parts, pair->other, pair->part);
+}
+
+/* Two unlit parts, or two lit ones, that look opposite ways: the larger one gives way when the
+ * other lies on it. */
+static bool opposite_gives_way(ImprintContacts *c, const Pairing *pair, bool *way, Error *err)
+{
+    const ImprintPart *part = pair->part, *other = pair->other;
+    const uint32_t me = (uint32_t)(part - pair->parts->part);
+    const uint32_t it = (uint32_t)(other - pair->parts->part);
+    *way = false;
+    if (c->lamp[me] != LAMP_NONE || !(part->area > other->area)
+        || imprint_same_outline(pair->parts, part, other) || !lie_on(pair))
+        return true;
+    return imprint_carries(pair->parts, me, it, c, way, err);
+}
+
+/* Whether the part gives way to another in its plane: a lamp goes first; then the smaller face: it
+ * is the one that someone put there; of equals the one that gives light stays, else the earlier.
+ * Sides of one plate both stay. Never both, and never in a ring, so that something stays
+ * everywhere. */
+static bool gives_way(ImprintContacts *c, const Pairing *pair, bool *way, Error *err)
+{
+    const ImprintPart *part = pair->part, *other = pair->other;
+    const LampKind lamp = (LampKind)c->lamp[part - pair->parts->part];
+    const LampKind other_lamp = (LampKind)c->lamp[other - pair->parts->part];
+    const bool same_way = vec3_dot(part->normal, other->normal) > 0;
+    if ((lamp == LAMP_NONE) != (other_lamp == LAMP_NONE)) {
+        bool yields, plate = false;
+        const bool lit = lamp != LAMP_NONE;
+        const uint32_t me = (uint32_t)(part - pair->parts->part);
+        const uint32_t it = (uint32_t)(other - pair->parts->part);
+        *way = false;
+        if (!same_way && (lit ? lamp : other_lamp) == LAMP_SHEET
+            && !imprint_is_plate(pair->parts, lit ? me : it, lit ? it : me, c, &plate, err))
+            return false;
+        if (plate)
+            return true;
+        if (!yields_to_lamp(c, pair, same_way, &yields, err))
+            return false;
+        *way = yields == (lamp == LAMP_NONE);
+    } else if (!same_way) {
+        return opposite_gives_way(c, pair, way, err);
+    } else if (lamp != other_lamp) {
+        *way = other_lamp < lamp;
+    } else {
+        *way = other->area != part->area ? other->area < part->area : other < part;
+    }
+    return true;
 }
 
 /* Two parts in one plane: the other's outline. */
@@ -230,6 +253,7 @@ void imprint_contacts_clear(ImprintContacts *c)
     array_free(c->lamp);
     array_free(c->row);
     array_free(c->beside);
+    array_free(c->body);
     bvh_destroy(c->bvh);
     *c = (ImprintContacts){ 0 };
 }

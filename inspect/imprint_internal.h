@@ -68,6 +68,7 @@ typedef struct {
     uint8_t     *lamp;       /* [parts]  LampKind */
     uint32_t    *row;        /* [parts]  a lit face, part by part; scratch */
     uint32_t    *beside;     /* [parts]  scratch */
+    uint8_t     *body;       /* [parts]  whether its body is closed (imprint_stand.c) */
     Bvh         *bvh;        /* over all parts and shapes; made when first needed */
 } ImprintContacts;
 
@@ -89,6 +90,21 @@ bool imprint_share_edge(const ImprintParts *parts, const ImprintPart *a, const I
  * is behind the wall, and the light it sends to the other side arrives in a room. */
 bool imprint_body_opens(const ImprintParts *parts, uint32_t lamp, ImprintContacts *contacts,
                         bool *opens, Error *err);
+/* Whether less than half of the rays from a part to the side of the unit vector `out` go on to
+ * infinity. */
+bool imprint_enclosed(const ImprintParts *parts, ImprintContacts *contacts, const ImprintPart *part,
+                      Vec3 out, bool *enclosed, Error *err);
+
+/* imprint_stand.c: whether a small unlit part lies on a large one in its plane that looks the other
+ * way, and so is to be seen instead: it is the bottom of something open that stands before the
+ * large one; or a sheet that shows to no place that can be looked at from, as a rug that is wound
+ * downwards. Otherwise they are the sides of one plate. */
+bool imprint_carries(const ImprintParts *parts, uint32_t large, uint32_t small,
+                     ImprintContacts *contacts, bool *carries, Error *err);
+/* Whether a lit part and a dark one, opposite ways in one plane, are the sides of a plate: with the
+ * same corners, and the dark one is no piece of a wall. */
+bool imprint_is_plate(const ImprintParts *parts, uint32_t lamp, uint32_t dark,
+                      ImprintContacts *contacts, bool *plate, Error *err);
 
 /* Convex pieces in a row; corners are indices into position. */
 typedef struct {

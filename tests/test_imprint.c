@@ -405,6 +405,91 @@ static void test_switched_off(void **state)
     }
 }
 
+/* A rug in the floor's plane of a closed room, wound up and down, in rooms wound inwards and
+ * outwards: the rug stays, to be seen, and the floor gives way. */
+static void test_rug(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        TestRoom r = { 0 };
+        const bool inward = k & 1, up = k & 2;
+        const uint32_t wall = room_material(&r, 0.7, 0), dark = room_material(&r, 0.05, 0);
+        double area, all = 0;
+        room_box(&r, ORIGIN, vec3(4, 4, 3), BOX_ALL, inward, wall, "room-");
+        room_quad(&r, vec3(1, 1, 0), up ? vec3(2, 0, 0) : vec3(0, 2, 0),
+                  up ? vec3(0, 2, 0) : vec3(2, 0, 0), dark, "rug");
+        Imprint im = imprinted(&r, 0);
+        assert_int_equal(pieces_of(&im, 6, &area), 1);
+        assert_true(is_near(area, 4));
+        for (uint32_t i = 0; i < 6; i++) {
+            pieces_of(&im, i, &area);
+            all += area;
+        }
+        assert_true(is_near(all, 80 - 4));
+        assert_int_equal(im.covered, 1);
+        assert_int_equal(im.overlapped, 1);
+        imprint_clear(&im);
+        room_clear(&r);
+    }
+}
+
+/* An open bin on the floor, whichever way either is wound: its bottom stays where the two look the
+ * same way, or it would not be seen from within; a box that is closed leaves the floor alone. A
+ * floor wound downwards has the bin at its back: each keeps its own side. */
+static void test_bin(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 8; k++) {
+        TestRoom r = { 0 };
+        const bool inward = k & 1, bin_inward = k & 2, lid = k & 4;
+        const uint32_t wall = room_material(&r, 0.7, 0), dark = room_material(&r, 0.05, 0);
+        double area, room = 0, bin = 0;
+        room_box(&r, ORIGIN, vec3(4, 4, 3), BOX_ALL, inward, wall, "room-");
+        room_box(&r, vec3(1, 1, 0), vec3(3, 3, 1), lid ? BOX_ALL : BOX_ALL - BOX_Z1, bin_inward,
+                 dark, "bin-");
+        Imprint im = imprinted(&r, 0);
+        for (uint32_t i = 0; i < im.original; i++) {
+            pieces_of(&im, i, &area);
+            *(i < 6 ? &room : &bin) += area;
+        }
+        const bool same_way = inward == bin_inward;
+        const bool gives_way = same_way || (inward && !lid);
+        assert_true(is_near(room, gives_way ? 80 - 4 : 80));
+        assert_true(is_near(bin, lid ? 16 : 12));
+        assert_int_equal(im.covered, gives_way);
+        imprint_clear(&im);
+        room_clear(&r);
+    }
+}
+
+/* A lamp and a dark sheet with the same corners, opposite ways: a plate, in whichever order. The
+ * same lamp exactly on a ceiling is none: the ceiling gives way. */
+static void test_lit_plate(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        TestRoom r = { 0 };
+        const bool lamp_first = k & 1, ceiling = k & 2;
+        const uint32_t wall = room_material(&r, 0.7, 0), lamp = room_material(&r, 0.5, 10);
+        const Vec3 at = ceiling ? vec3(0, 0, 3) : vec3(1, 1, 2);
+        const double side = ceiling ? 4 : 1;
+        const Vec3 u = vec3(side, 0, 0), v = vec3(0, side, 0);
+        double area[2];
+        room_box(&r, ORIGIN, vec3(4, 4, 3), ceiling ? BOX_ALL - BOX_Z1 : BOX_ALL, true, wall, "");
+        const uint32_t first = (uint32_t)r.soup.polygon_count;
+        room_quad(&r, at, u, v, lamp_first ? lamp : wall, "one");
+        room_quad(&r, at, v, u, lamp_first ? wall : lamp, "two");
+        Imprint im = imprinted(&r, 0);
+        pieces_of(&im, first, &area[0]);
+        pieces_of(&im, first + 1, &area[1]);
+        assert_true(is_near(area[lamp_first ? 0 : 1], side * side));
+        assert_true(is_near(area[lamp_first ? 1 : 0], ceiling ? 0 : side * side));
+        assert_int_equal(im.replaced, ceiling);
+        imprint_clear(&im);
+        room_clear(&r);
+    }
+}
+
 static void test_memory(void **state)
 {
     (void)state;
@@ -436,6 +521,8 @@ int main(void)
         cmocka_unit_test(test_wall_end),  cmocka_unit_test(test_lamp_in_plane),
         cmocka_unit_test(test_lamp_body), cmocka_unit_test(test_lamp_body_in_room),
         cmocka_unit_test(test_bent_sheet), cmocka_unit_test(test_covered_altogether),
+        cmocka_unit_test(test_rug),      cmocka_unit_test(test_bin),
+        cmocka_unit_test(test_lit_plate),
         cmocka_unit_test(test_decals),   cmocka_unit_test(test_switched_off),
         cmocka_unit_test(test_many),      cmocka_unit_test(test_memory),
     };

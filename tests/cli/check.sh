@@ -109,6 +109,23 @@ ok "it is said which" grep -q '"carpet" goes and "oak" stays.*\[material-dropped
 ok "solving says the same" exits 0 solve "$DIR/two.obj" --quality draft --patches 50 --light ceiling \
     -o "$DIR/two.ply" --progress none
 ok "in the same words" grep -q '"carpet" goes and "oak" stays.*\[material-dropped\]' "$DIR/err"
+# A rug in the floor's plane has patches whichever way it is wound, and takes the same light.
+cat >"$DIR/rug.mtl" <<'END_OF_SCENE'
+newmtl wool
+Kd 0.05 0.05 0.05
+END_OF_SCENE
+for way in "101 102 103 104" "104 103 102 101"; do
+    sed '1i mtllib rug.mtl' "$cube" >"$DIR/rug.obj"
+    base=$(grep -c '^v ' "$cube")
+    printf 'v %s 0\n' '0.25 0.25' '0.75 0.25' '0.75 0.75' '0.25 0.75' >>"$DIR/rug.obj"
+    echo "g rug
+usemtl wool
+f $(for k in $way; do echo -n "$((base + k - 100)) "; done)" >>"$DIR/rug.obj"
+    ok "a rug wound $way" exits 0 solve "$DIR/rug.obj" --quality draft --patches 200 \
+        --light ceiling -o "$DIR/rug.ply" --progress none
+    ok "the floor under it is told of" grep -q 'under "wool".*\[covered\]' "$DIR/err"
+done
+
 ok "cuts are listed" exits 0 check "$DIR/bad.obj" --json "$DIR/c.json" "${quiet[@]}"
 ok "the wall below the poster gives way" test "$(kind covered-part)" = "1 1 0"
 ok "what the box passes is cut" test "$(kind cut)" = "5 5 0"
