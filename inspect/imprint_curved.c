@@ -30,6 +30,7 @@ typedef struct {
     Meeting  *meeting;     /* [count] */
     size_t    count, capacity, slicer_capacity;
     uint32_t  first_plane; /* slicer that is the first of the shape at hand */
+    bool      by_ring;     /* the torus at hand is parted by its ring */
     uint32_t  left;
     Error    *err;
 } Meetings;
@@ -89,34 +90,95 @@ static bool add_slicer(Meetings *m, const Slicer *slicer)
     return true;
 }
 
-/* A plane that parts the shape at hand; in a plane that does so already, that one grows. */
-static bool add_plane(Meetings *m, uint32_t shape_surface, Vec3 normal, double level, Vec3 lo,
-                      Vec3 hi)
+/* A plane that parts the shape at hand; in a plane that does so already, that one grows. *slicer:
+ * it, or SURFACE_NONE where there are too many. */
+static bool add_plane(Meetings *m, uint32_t shape_surface, const Slicer *plane, uint32_t *slicer)
 {
+    const Vec3 normal = plane->normal;
     Surfaces *s = m->s;
     for (uint32_t k = m->first_plane; k < s->slicer_count; k++) {
         Slicer *c = &s->slicer[k];
         const double way = vec3_dot(c->normal, normal) < 0 ? -1 : 1;
         const Vec3 off = vec3_sub(vec3_scale(normal, way), c->normal);
-        if (vec3_length(off) > LIKE || fabs(way * level - c->level) > LIKE * s->largest_coordinate)
+        if (vec3_length(off) > LIKE
+            || fabs(way * plane->level - c->level) > LIKE * s->largest_coordinate)
             continue;
-        c->lo = vec3_min(c->lo, lo);
-        c->hi = vec3_max(c->hi, hi);
+        c->lo = vec3_min(c->lo, plane->lo);
+        c->hi = vec3_max(c->hi, plane->hi);
+        *slicer = k;
         return true;
     }
+    *slicer = SURFACE_NONE;
     if (s->slicer_count - m->first_plane == PLANES_MOST) {
         m->left++;
         return true;
     }
-    const Slicer plane = slicer_plane(normal, level, lo, hi);
-    return add_slicer(m, &plane) && add_meeting(m, shape_surface, s->slicer_count - 1);
+    *slicer = s->slicer_count;
+    return add_slicer(m, plane) && add_meeting(m, shape_surface, s->slicer_count - 1);
+}
+
+/* --- what only touches ------------------------------------------------------------------------ */
+
+/* The line, in the world, along which a coat touches a plane that does not cut it. The plane is
+ * n . q = level in the space of the unit form, both sides of that lengths in the world. */
+static bool touching_line(const Shape *shape, Vec3 n, double level, double margin, Vec3 line[2])
+{
+    const double flat = sqrt(n.x * n.x + n.y * n.y);
+    for (int way = 1; way >= -1 && flat > 0; way -= 2) {
+        const double x = way * n.x / flat, y = way * n.y / flat, r = shape->ratio;
+        if (fabs(way * flat - level) > margin || fabs(way * flat * r + n.z - level) > margin)
+            continue;
+        line[0] = affine_point(&shape->to_world, vec3(x, y, 0));
+        line[1] = affine_point(&shape->to_world, vec3(r * x, r * y, 1));
+        return true;
+    }
+    return false;
+}
+
+/* A coat that lies on a face and a torus that does so have the face's places on their one side
+ * alone: these are parted along the line or circle of contact, as the shape is. A ball touches in a
+ * point, which parts nothing. */
+static bool add_touch(Meetings *m, uint32_t first, uint32_t own, uint32_t flat, const Slicer *plane)
+{
+    Surfaces *s = m->s;
+    const Shape *shape = &s->shape[s->slicer[first].shape];
+    const Affine *to = &shape->to_world;
+    const double margin = slicer_margin(s, plane), level = plane->level
+                                                         - vec3_dot(plane->normal, to->t);
+    const Vec3 n = vec3(vec3_dot(plane->normal, to->x), vec3_dot(plane->normal, to->y),
+                        vec3_dot(plane->normal, to->z));
+    Vec3 line[2];
+    uint32_t slicer = SURFACE_NONE;
+    if (shape->kind == SHAPE_TORUS) {
+        const bool touches = sqrt(n.x * n.x + n.y * n.y) <= margin
+                          && fabs(fabs(n.z) * shape->ratio - fabs(level)) <= margin;
+        assert(s->slicer[first + 1].kind == SLICER_SPLIT_RING);
+        /* The face has the ring already, with the splits of the torus. */
+        if (!touches || m->by_ring)
+            return true;
+        m->by_ring = true;
+        return add_meeting(m, own, first + 1);
+    }
+    if (shape->kind != SHAPE_FRUSTUM || !touching_line(shape, n, level, margin, line))
+        return true;
+    const Vec3 across = vec3_cross(vec3_sub(line[1], line[0]), plane->normal);
+    const Vec3 normal = vec3_scale(across, 1 / vec3_length(across));
+    const Slicer along = slicer_plane(normal, vec3_dot(normal, line[0]),
+                                      vec3_min(line[0], line[1]), vec3_max(line[0], line[1]));
+    if (!add_plane(m, own, &along, &slicer))
+        return false;
+    /* Both halves of a flat quad say so. */
+    const Meeting last = m->meeting[m->count - 1];
+    return slicer == SURFACE_NONE || (last.surface == flat && last.slicer == slicer)
+        || add_meeting(m, flat, slicer);
 }
 
 /* The planes of a flat surface: two for a quad that is bent. */
-static bool add_planes(Meetings *m, uint32_t shape_surface, uint32_t flat, Vec3 shape_lo,
-                       Vec3 shape_hi)
+static bool add_planes(Meetings *m, uint32_t first, uint32_t shape_surface, uint32_t flat)
 {
     const Surfaces *s = m->s;
+    const Vec3 shape_lo = s->slicer[first].lo, shape_hi = s->slicer[first].hi;
+    uint32_t slicer;
     const Surface *f = &s->surface[flat];
     Vec3 lo, hi;
     surface_box(s, flat, &lo, &hi);
@@ -125,7 +187,8 @@ static bool add_planes(Meetings *m, uint32_t shape_surface, uint32_t flat, Vec3 
         const Vec3 p = s->position[s->corner[3 * (size_t)(f->primitive + k)]];
         const Slicer plane = slicer_plane(normal, vec3_dot(normal, p), lo, hi);
         if (comes_near(s, &plane, shape_lo, shape_hi)
-            && !add_plane(m, shape_surface, normal, plane.level, lo, hi))
+            && !(add_plane(m, shape_surface, &plane, &slicer)
+                 && add_touch(m, first, shape_surface, flat, &plane)))
             return false;
     }
     return true;
@@ -141,6 +204,7 @@ static bool meet_shape(Meetings *m, uint32_t shape)
         if (!add_slicer(m, &slicer[k]))
             return false;
     m->first_plane = s->slicer_count;
+    m->by_ring = false;
     const double rim = slicer_margin(s, &slicer[0]);
     const Box box = box_around(vec3_sub(slicer[0].lo, vec3(rim, rim, rim)),
                                vec3_add(slicer[0].hi, vec3(rim, rim, rim)));
@@ -153,8 +217,7 @@ static bool meet_shape(Meetings *m, uint32_t shape)
             continue;
         if (comes_near(s, &slicer[0], lo, hi) && !add_meeting(m, other, first))
             return false;
-        if (s->surface[other].kind != SURFACE_SHAPE
-            && !add_planes(m, own, other, slicer[0].lo, slicer[0].hi))
+        if (s->surface[other].kind != SURFACE_SHAPE && !add_planes(m, first, own, other))
             return false;
     }
     return true;

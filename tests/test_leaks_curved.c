@@ -234,11 +234,58 @@ static void test_ring(void **state)
     check_scene(build_ring, vec3(0.3, 0.3, 1.5), out_of_ring);
 }
 
+/* --- a log that just lies on the floor, a wall on it, between a bright and a dark room ------- */
+
+static void build_log(TestRoom *r, uint32_t wall, uint32_t lamp)
+{
+    const Affine log = { { 0, 0, 0.4 }, { 0.4, 0, 0 }, { 0, 3, 0 }, { 2.13, 0, 0.4 } };
+    room_box(r, vec3(0, 0, 0), vec3(4, 3, 2.5), BOX_ALL, true, wall, "");
+    add_shape(r, SHAPE_FRUSTUM, 1, &log, wall);
+    room_quad(r, vec3(2.13, 0, 0.5), vec3(0, 3, 0), vec3(0, 0, 2), wall, "wall");
+    add_lamp(r, vec3(1, 1.45, 1.25), lamp);
+}
+
+static bool beyond_log(Vec3 p)
+{
+    return p.x > 2.13 && p.y > 0 && p.y < 3 && hypot(p.x - 2.13, p.z - 0.4) > 0.4;
+}
+
+static void test_log(void **state)
+{
+    (void)state;
+    check_scene(build_log, vec3(3.8, 0.2, 2.3), beyond_log);
+}
+
+/* --- a ring that just lies on the floor, a disc on it, with a lamp in it --------------------- */
+
+static void build_lying_ring(TestRoom *r, uint32_t wall, uint32_t lamp)
+{
+    const Affine ring = scaled(0.7, 0.7, 0.7, vec3(2.05, 1.45, 0.3));
+    const Affine lid = scaled(0.7, 0.7, 1, vec3(2.05, 1.45, 0.6));
+    room_box(r, vec3(0, 0, 0), vec3(4, 3, 2.5), BOX_ALL, true, wall, "");
+    add_shape(r, SHAPE_TORUS, 3.0 / 7, &ring, wall);
+    add_shape(r, SHAPE_DISC, 0, &lid, wall);
+    add_lamp(r, vec3(2.05, 1.45, 0.25), lamp);
+}
+
+static bool out_of_lying_ring(Vec3 p)
+{
+    const double off = hypot(p.x - 2.05, p.y - 1.45);
+    return (off > 0.7 || p.z > 0.6) && hypot(off - 0.7, p.z - 0.3) > 0.3;
+}
+
+static void test_lying_ring(void **state)
+{
+    (void)state;
+    check_scene(build_lying_ring, vec3(0.2, 0.2, 2.3), out_of_lying_ring);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_coat),  cmocka_unit_test(test_ball), cmocka_unit_test(test_cone),
-        cmocka_unit_test(test_tubes), cmocka_unit_test(test_ring),
+        cmocka_unit_test(test_tubes), cmocka_unit_test(test_ring), cmocka_unit_test(test_log),
+        cmocka_unit_test(test_lying_ring),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
