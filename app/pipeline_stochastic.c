@@ -6,7 +6,8 @@
 
 #include "app/trace.h"
 
-/* From here on it takes less time than links for the same error (docs/results.md). */
+/* Links of so many patches, 320 rays each, and the copy that closing makes take up to 768 MB: what
+ * a small machine has to spare. */
 enum { STOCHASTIC_PATCHES = 150000 };
 
 /* Bytes of a link, and copies of it while links are closed. */
