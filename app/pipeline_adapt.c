@@ -216,21 +216,55 @@ bool pipeline_adapt_again(Pipeline *pipeline, const uint8_t *split, Error *err)
     return true;
 }
 
+static bool can_divide(const Adaption *a, uint32_t i)
+{
+    const Pipeline *pipeline = a->pipeline;
+    const Patches *p = pipeline->patches;
+    const bool merged = p->first_piece[i + 1] > p->first_piece[i];
+    return pipeline->links->area[i] > 0 && (merged || p->cell[i].level < PATCH_LEVELS) &&
+           patches_extent(p, pipeline->surfaces, i) >= 2 * a->least_size;
+}
+
+/* Patches without an error that rays could tell come after all that have one, the largest first:
+ * who asks for so many patches is to get them. */
+static void errors_by_size(const Adaption *a, Pass *pass)
+{
+    const Patches *patches = a->pipeline->patches;
+    double least = 0, largest = 0;
+    for (uint32_t i = 0; i < patches->count; i++) {
+        const double gain = pass->error[i] * pass->error[i] * patches->area[i];
+        if (gain > 0 && (least == 0 || gain < least))
+            least = gain;
+        largest = fmax(largest, patches->area[i]);
+    }
+    least = least > 0 ? least : 1;
+    for (uint32_t i = 0; i < patches->count; i++)
+        if (!(pass->error[i] > 0) && can_divide(a, i))
+            pass->error[i] = sqrt(least * patches->area[i]) / largest;
+}
+
 /* Divides the worst patches so that about `goal` result, and at most about as many as are wanted in
- * all. *finer is NULL when nothing is worth it. */
+ * all. Where errors tell of too few, size does. *finer is NULL when none can be divided. */
 static bool divide(Adaption *a, Pass *pass, double goal, double worth, Patches **finer,
                    uint32_t **parent, Error *err)
 {
     const Pipeline *pipeline = a->pipeline;
     const double count = pipeline->patches->count, more = goal - count;
+    const bool last = worth <= WORTH_AT_LAST;
     double aim = more;
+    bool filled = false;
     for (int k = 0; k < SPLIT_TRIES; k++) {
         uint32_t chosen = 0;
-        if (!adapt_choose(&pipeline->room, pass->error, (uint32_t)(count + aim), worth,
-                          pass->split, &chosen, err))
+        if (!adapt_choose(&pipeline->room, pass->error, (uint32_t)(count + aim),
+                          filled ? 0 : worth, pass->split, &chosen, err))
             return false;
-        if (chosen == 0)
-            return true;
+        if (chosen == 0) {
+            if (filled)
+                return true;
+            filled = true;
+            errors_by_size(a, pass);
+            continue;
+        }
         *finer = patches_destroy(*finer);
         *parent = array_free(*parent);
         *finer = patches_split(pipeline->patches, pipeline->surfaces, pass->split, parent, err);
@@ -238,6 +272,11 @@ static bool divide(Adaption *a, Pass *pass, double goal, double worth, Patches *
             !saving_pass(pipeline->saving, pass->split, err))
             return false;
         const double got = (*finer)->count - count;
+        if (last && !filled && count + got < (1 - COUNT_TOLERANCE) * a->wanted) {
+            filled = true;
+            errors_by_size(a, pass);
+            continue;
+        }
         if (count + got <= (1 + COUNT_TOLERANCE) * a->wanted)
             return true;
         aim *= more / got;
