@@ -38,8 +38,8 @@ ok "--light ceiling" exits 0 solve "$DIR/dark.obj" "${fast[@]}" --light ceiling 
     --json "$DIR/dark.json"
 ok "the lamp shines" test -z "$(grep '"emitted": \[0,' "$DIR/dark.json")"
 
-ok "memory limit" exits 6 solve "$cube" --patches 20000 --rays 4096 --max-memory 40MB --solver jacobi \
-    --progress none
+ok "memory limit" exits 6 solve "$cube" --patches 20000 --rays 4096 --max-memory 40MB \
+    --solver jacobi --progress none
 ok "memory limit is told in one line" test "$(wc -l <"$DIR/err")" = 1
 ok "a picture that is too large" exits 6 render "$cube" -o "$DIR/x.exr" --size 20000x20000 \
     --max-memory 500MB --progress none
