@@ -50,7 +50,7 @@ ok "its name and its error" test "$(grep -c '"solver": "stochastic"\|"estimated_
 ok "more rays are needed" exits 4 solve "$cube" "${few[@]}" --rays 1 --tolerance 0.001
 ok "not with options about links" fails 2 'closure: not with' solve "$cube" "${few[@]}" \
     --closure none
-ok "chosen where links have no room" exits 0 solve "$cube" --patches 30000 --max-memory 100MB \
-    --tolerance 0.2 --json "$DIR/few.json"
+ok "chosen where links have no room" exits 0 solve "$cube" --patches 30000 --rays 1024 \
+    --max-memory 400MB --tolerance 0.2 --json "$DIR/few.json"
 ok "that is told" grep -q '"solver": "stochastic"' "$DIR/few.json"
 finish

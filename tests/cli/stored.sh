@@ -58,10 +58,13 @@ done
 
 big=(factors "$files/furnace.msd" --patches 20000 --rays 512 --by patch --progress none)
 ok "all in memory" exits 0 "${big[@]}" -o "$DIR/p.npz" --json "$DIR/p.json"
-ok "rows on disk" env TMPDIR="$DIR" "$ISOLUX" "${big[@]}" -o "$DIR/q.npz" --json "$DIR/q.json" \
-    --max-memory 130MB
-ok "the same bytes" cmp "$DIR/p.npz" "$DIR/q.npz"
-ok "within the limit" test "$(value "$DIR/q.json" peak_bytes)" -le 130000000
+# The memory that a sanitizer takes for itself is many times the program's own.
+if ! grep -q __asan_init "$ISOLUX"; then
+    ok "rows on disk" env TMPDIR="$DIR" "$ISOLUX" "${big[@]}" -o "$DIR/q.npz" \
+        --json "$DIR/q.json" --max-memory 130MB
+    ok "the same bytes" cmp "$DIR/p.npz" "$DIR/q.npz"
+    ok "within the limit" test "$(value "$DIR/q.json" peak_bytes)" -le 130000000
+fi
 ok "beyond it otherwise" test "$(value "$DIR/p.json" peak_bytes)" -gt 130000000
 ok "nothing is left behind" test -z "$(find "$DIR" -name '.isolux*')"
 ok "too little even so" fails 6 'form factors' "${big[@]}" --max-memory 60MB -o "$DIR/x.npz"
