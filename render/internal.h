@@ -21,14 +21,26 @@ void tonemap_row(const float *radiance, int width, int y, double exposure, uint8
 
 /* --- camera_rays.c --------------------------------------------------------------------------- */
 
-/* A pinhole camera over a picture: direction = corner + x right + y down, x and y in pixels. */
+/* A camera over a picture. */
 typedef struct {
-    Vec3 eye, corner, right, down;
+    Projection projection;
+    Vec3   eye, forward, right, up; /* unit, perpendicular to each other */
+    double half_width, half_height; /* of the picture, in pixels */
+    double pixel;                   /* size of one: on the plane at distance 1, in scene units, or
+                                       in radians, by projection */
+    double lens, focus;
 } CameraRays;
 
 /* A view whose eye and target coincide, or whose up lies along it, gets some valid frame. */
 void camera_rays_init(CameraRays *rays, const Camera *camera, int width, int height);
-/* Unit direction through (x, y) in pixels, (0, 0) being the upper left corner of the picture. */
-Vec3 camera_rays_direction(const CameraRays *rays, double x, double y);
+/* The ray through (x, y) in pixels, (0, 0) being the upper left corner of the picture; lens: two
+ * numbers in 0..1 that choose a point of the lens (NULL: its middle); direction is unit.
+ * false: nothing is shown there (outside a fisheye's circle). */
+bool camera_rays_at(const CameraRays *rays, double x, double y, const float *lens, Vec3 *origin,
+                    Vec3 *direction);
+/* Whether a lens blurs: only then do samples need numbers for it. */
+static inline bool camera_rays_blur(const CameraRays *rays) { return rays->lens > 0; }
+/* About the width that a pixel covers at a distance from the eye. */
+double camera_rays_footprint(const CameraRays *rays, double distance);
 
 #endif

@@ -21,7 +21,7 @@
 enum { TILE = 16, BOUNCES = 8, RAYS_MAX = 1 << 20 };
 static_assert(TILE * TILE <= GUIDES_POINTS,
               "the centres of a tile are what guides are trained for");
-enum { SEED_PIXEL = 100, SEED_SPECULAR, SEED_WAVE = 200 }; /* + bounce for the last */
+enum { SEED_PIXEL = 100, SEED_SPECULAR, SEED_LENS, SEED_WAVE = 200 }; /* + bounce for the last */
 
 static const double PI = 3.14159265358979323846;
 
@@ -61,12 +61,15 @@ typedef struct {
     Rgb radiance, direct, indirect, albedo, irradiance;
 } Pixel;
 
-static Ray eye_ray(const CameraRays *camera, double x, double y)
+/* false: nothing is shown there. */
+static bool eye_ray(const CameraRays *camera, double x, double y, const float *lens, Ray *ray)
 {
-    const Vec3 d = camera_rays_direction(camera, x, y);
-    return (Ray){ .ox = (float)camera->eye.x, .oy = (float)camera->eye.y,
-                  .oz = (float)camera->eye.z, .t_min = 0, .dx = (float)d.x, .dy = (float)d.y,
-                  .dz = (float)d.z, .t_max = INFINITY };
+    Vec3 o, d;
+    if (!camera_rays_at(camera, x, y, lens, &o, &d))
+        return false;
+    *ray = (Ray){ .ox = (float)o.x, .oy = (float)o.y, .oz = (float)o.z, .t_min = 0,
+                  .dx = (float)d.x, .dy = (float)d.y, .dz = (float)d.z, .t_max = INFINITY };
+    return true;
 }
 
 static bool emits(const Room *room, const RoomHit *hit)
@@ -136,13 +139,20 @@ static void render_samples(const Render *render, Worker *worker, int x, int y, u
 {
     const RenderOptions *o = render->options;
     const uint32_t       seed = sampling_mix(pixel_seed + SEED_PIXEL);
-    for (uint32_t i = 0; i < count; i++) {
-        float u[2];
-        sampling_sobol2(begin + i, seed, u);
-        worker->eye[i] = (EyeRay){ .ray = eye_ray(&render->camera, x + (double)u[0],
-                                                  y + (double)u[1]),
-                                   .weight = { 1, 1, 1 }, .index = begin + i };
+    const uint32_t       lens_seed = sampling_mix(pixel_seed + SEED_LENS);
+    const bool           blur = camera_rays_blur(&render->camera);
+    uint32_t             seen = 0;
+    for (uint32_t i = begin; i < begin + count; i++) {
+        float   u[2], lens[2];
+        EyeRay *eye = &worker->eye[seen];
+        sampling_sobol2(i, seed, u);
+        if (blur)
+            sampling_sobol2(i, lens_seed, lens);
+        *eye = (EyeRay){ .weight = { 1, 1, 1 }, .index = i };
+        seen += eye_ray(&render->camera, x + (double)u[0], y + (double)u[1],
+                        blur ? lens : NULL, &eye->ray);
     }
+    count = seen;
     for (unsigned bounce = 0; count > 0; bounce++) {
         uint32_t points = 0, next = 0;
         assert(bounce <= BOUNCES);
@@ -179,9 +189,11 @@ static bool store_centre(const Render *render, Worker *worker, int x, int y, Rec
     const Room  *room = render->gatherer->room;
     Image       *image = render->image;
     const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
-    const Ray    ray = eye_ray(&render->camera, x + 0.5, y + 0.5);
+    Ray          ray;
     Hit          h;
     RoomHit      hit;
+    if (!eye_ray(&render->camera, x + 0.5, y + 0.5, NULL, &ray))
+        return false;
     worker->wave.rays++;
     if (!bvh_nearest(room->bvh, &ray, &h))
         return false;
@@ -189,7 +201,7 @@ static bool store_centre(const Render *render, Worker *worker, int x, int y, Rec
     image->normal[3 * at] = (float)hit.normal.x;
     image->normal[3 * at + 1] = (float)hit.normal.y;
     image->normal[3 * at + 2] = (float)hit.normal.z;
-    image->depth[at] = (float)vec3_length(vec3_sub(hit.point, render->camera.eye));
+    image->depth[at] = (float)vec3_length(vec3_sub(hit.point, vec3(ray.ox, ray.oy, ray.oz)));
     image->patch[at] = hit.patch;
     *centre = (Receiver){ hit.point, hit.normal };
     return true;
@@ -252,14 +264,13 @@ static void render_tile(const Render *render, Worker *worker, uint32_t tile)
     const int x1 = smaller(x0 + TILE, render->image->width);
     const int y1 = smaller(y0 + TILE, render->image->height);
     uint32_t  centres = 0;
-    const double pixel = vec3_length(render->camera.right);
     for (int y = y0; y < y1; y++)
         for (int x = x0; x < x1; x++) {
             Receiver *centre = &worker->centre[centres];
             if (!store_centre(render, worker, x, y, centre))
                 continue;
             const double distance = vec3_length(vec3_sub(centre->point, render->camera.eye));
-            worker->reach[centres++] = TILE * pixel * distance;
+            worker->reach[centres++] = TILE * camera_rays_footprint(&render->camera, distance);
         }
     guides_train(&worker->guides, &worker->wave, worker->centre, worker->reach, centres,
                  rays_per_pixel(render->options),

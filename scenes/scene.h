@@ -14,11 +14,23 @@
 #include "math/light.h"
 #include "mesh/polygons.h"
 
+typedef enum {
+    CAMERA_PERSPECTIVE,          /* straight lines stay straight */
+    CAMERA_ORTHOGRAPHIC,         /* parallel rays: plans and elevations */
+    CAMERA_FISHEYE,              /* equidistant: angle from the axis = distance from the middle */
+    CAMERA_PANORAMA              /* equirectangular: longitude across, latitude up */
+} Projection;
+
 typedef struct {
     char   name[64];
     Vec3   eye, target, up;      /* up need not be perpendicular to the view */
-    double vertical_fov;         /* degrees, whole angle, (0, 180) */
+    double vertical_fov;         /* degrees, whole angle: (0, 180), fisheye and panorama up to 360
+                                    and 180; unused by orthographic */
     double aspect;               /* width / height wanted; 0: follows the picture's size */
+    Projection projection;
+    double view_height;          /* orthographic: scene units that the picture's height shows */
+    double aperture;             /* radius of the lens in scene units; 0: all is sharp */
+    double focus;                /* distance along the axis that is sharp; 0: the target's */
 } Camera;
 
 typedef struct {

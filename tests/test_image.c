@@ -377,6 +377,15 @@ static void exposure_leaves_lamps_out(void **state)
     }
 }
 
+static Vec3 direction_at(const CameraRays *rays, double x, double y)
+{
+    Vec3 origin, direction;
+    assert_true(camera_rays_at(rays, x, y, NULL, &origin, &direction));
+    return direction;
+}
+
+static double apart(Vec3 a, Vec3 b) { return vec3_length(vec3_sub(a, b)); }
+
 /* A field of view of 90 degrees upright: the picture's upper edge is 45 degrees up, and the sides
  * follow the number of pixels. */
 static void camera_sees_its_field(void **state)
@@ -386,18 +395,65 @@ static void camera_sees_its_field(void **state)
                             .vertical_fov = 90 };
     CameraRays rays;
     camera_rays_init(&rays, &camera, 200, 100);
-    const Vec3 middle = camera_rays_direction(&rays, 100, 50);
-    const Vec3 top = camera_rays_direction(&rays, 100, 0);
-    const Vec3 right = camera_rays_direction(&rays, 200, 50);
-    assert_true(vec3_length(vec3_sub(middle, vec3(0, 0, -1))) < 1e-12);
-    assert_true(vec3_length(vec3_sub(top, vec3(0, sqrt(0.5), -sqrt(0.5)))) < 1e-12);
-    assert_true(vec3_length(vec3_sub(right, vec3_unit(vec3(2, 0, -1)))) < 1e-12);
+    assert_true(apart(direction_at(&rays, 100, 50), vec3(0, 0, -1)) < 1e-12);
+    assert_true(apart(direction_at(&rays, 100, 0), vec3(0, sqrt(0.5), -sqrt(0.5))) < 1e-12);
+    assert_true(apart(direction_at(&rays, 200, 50), vec3_unit(vec3(2, 0, -1))) < 1e-12);
     /* Looking along `up`: some frame, but a valid one. */
     const Camera down = { .eye = { 0, 0, 0 }, .target = { 0, -1, 0 }, .up = { 0, 1, 0 },
                           .vertical_fov = 60 };
     camera_rays_init(&rays, &down, 10, 10);
-    assert_true(vec3_length(vec3_sub(camera_rays_direction(&rays, 5, 5), vec3(0, -1, 0))) < 1e-12);
-    assert_true(fabs(vec3_length(camera_rays_direction(&rays, 0, 0)) - 1) < 1e-12);
+    assert_true(apart(direction_at(&rays, 5, 5), vec3(0, -1, 0)) < 1e-12);
+    assert_true(fabs(vec3_length(direction_at(&rays, 0, 0)) - 1) < 1e-12);
+}
+
+/* Looks along -z with y up; one case for each projection but the plain one. */
+static void camera_projections_are_where_they_should_be(void **state)
+{
+    (void)state;
+    Camera camera = { .eye = { 1, 2, 3 }, .target = { 1, 2, -7 }, .up = { 0, 1, 0 },
+                      .vertical_fov = 180 };
+    CameraRays rays;
+    Vec3 origin, direction;
+    /* 180 degrees over 100 rows: half way out is 45 degrees off the axis, the rim 90. */
+    camera.projection = CAMERA_FISHEYE;
+    camera_rays_init(&rays, &camera, 200, 100);
+    assert_true(apart(direction_at(&rays, 125, 50), vec3(sqrt(0.5), 0, -sqrt(0.5))) < 1e-12);
+    assert_true(apart(direction_at(&rays, 100, 0), vec3(0, 1, 0)) < 1e-12);
+    assert_false(camera_rays_at(&rays, 160, 50, NULL, &origin, &direction));
+    /* All directions: a quarter from the left edge is the left, the edges are behind. */
+    camera.projection = CAMERA_PANORAMA;
+    camera_rays_init(&rays, &camera, 200, 100);
+    assert_true(apart(direction_at(&rays, 50, 50), vec3(-1, 0, 0)) < 1e-12);
+    assert_true(apart(direction_at(&rays, 0, 50), vec3(0, 0, 1)) < 1e-12);
+    assert_true(apart(direction_at(&rays, 77, 0), vec3(0, 1, 0)) < 1e-12);
+    /* 4 units high: the corner is 4 to the left and 2 up. */
+    camera.projection = CAMERA_ORTHOGRAPHIC;
+    camera.view_height = 4;
+    camera_rays_init(&rays, &camera, 200, 100);
+    assert_true(camera_rays_at(&rays, 0, 0, NULL, &origin, &direction));
+    assert_true(apart(origin, vec3(-3, 4, 3)) < 1e-12);
+    assert_true(apart(direction, vec3(0, 0, -1)) < 1e-12);
+}
+
+/* Rays through any two points of the lens meet on the plane in focus, and start on the lens. */
+static void lens_is_sharp_where_it_focuses(void **state)
+{
+    (void)state;
+    const Camera camera = { .eye = { 0, 0, 0 }, .target = { 0, 0, -10 }, .up = { 0, 1, 0 },
+                            .vertical_fov = 60, .aperture = 0.25, .focus = 4 };
+    CameraRays rays;
+    camera_rays_init(&rays, &camera, 64, 64);
+    assert_true(camera_rays_blur(&rays));
+    for (int k = 0; k < 16; k++) {
+        const float lens[2] = { ((float)k + 0.5f) / 16, (float)(k % 5) / 5 };
+        Vec3 o, d, middle, straight;
+        assert_true(camera_rays_at(&rays, 10, 50, lens, &o, &d));
+        assert_true(camera_rays_at(&rays, 10, 50, NULL, &middle, &straight));
+        assert_true(fabs(o.z) < 1e-12);
+        assert_true(fabs(vec3_length(o) - 0.25 * sqrt((double)lens[0])) < 1e-7);
+        const Vec3 sharp = vec3_scale(straight, -4 / straight.z);
+        assert_true(apart(vec3_mad(o, (-4 - o.z) / d.z, d), sharp) < 1e-12);
+    }
 }
 
 static void sizes_are_checked_and_memory_is_given_back(void **state)
@@ -435,6 +491,8 @@ int main(void)
         cmocka_unit_test(curve_has_a_soft_shoulder),
         cmocka_unit_test(exposure_leaves_lamps_out),
         cmocka_unit_test(camera_sees_its_field),
+        cmocka_unit_test(camera_projections_are_where_they_should_be),
+        cmocka_unit_test(lens_is_sharp_where_it_focuses),
         cmocka_unit_test(sizes_are_checked_and_memory_is_given_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
