@@ -39,6 +39,15 @@ Image *image_create(int width, int height, Error *err)
     return image;
 }
 
+bool image_add_deviation(Image *image, Error *err)
+{
+    assert(image != NULL && err != NULL);
+    if (image->deviation == NULL)
+        image->deviation = array_create((size_t)image->width * (size_t)image->height,
+                                        sizeof(float), "picture layer", err);
+    return image->deviation != NULL;
+}
+
 Image *image_destroy(Image *image)
 {
     if (image == NULL)
@@ -51,5 +60,6 @@ Image *image_destroy(Image *image)
     array_free(image->normal);
     array_free(image->depth);
     array_free(image->patch);
+    array_free(image->deviation);
     return array_free(image);
 }

@@ -18,11 +18,14 @@ typedef struct {
     float *normal;      /* [3 * ..]  unit, world, towards the eye; 0: background */
     float *depth;       /* [..]  distance from the eye, INFINITY: background */
     uint32_t *patch;    /* [..]  patch seen at the pixel's centre, UINT32_MAX: none */
+    float *deviation;   /* [..]  standard error of the radiance's luminance; NULL: not estimated */
 } Image;
 
 /* Black, depth INFINITY, patch UINT32_MAX. fails  NULL; ERROR_MEMORY, ERROR_USAGE for a size out of
  * 1..32768. */
 Image *image_create(int width, int height, Error *err);
+/* Adds the layer `deviation`, zeros, unless it is there. fails  false and ERROR_MEMORY. */
+bool image_add_deviation(Image *image, Error *err);
 /* Frees; NULL is allowed. Always returns NULL. */
 Image *image_destroy(Image *image);
 
@@ -36,7 +39,8 @@ typedef struct {
 } ImageInfo;
 
 /* OpenEXR, 32-bit float, ZIP: channels R G B; direct.R ...; indirect.R ...; albedo.R ...;
- * irradiance.R ...; normal.X Y Z; depth.Z; patch.ID (uint). Attributes from info. */
+ * irradiance.R ...; normal.X Y Z; depth.Z; patch.ID (uint); deviation.Y when there is one. Attributes from
+ * info. */
 bool image_write_exr(const Image *image, const ImageInfo *info, const char *path, Error *err);
 /* R G B of an EXR (any of half, float), for comparing; width and height are set.
  * owns   the caller frees with array_free. */

@@ -114,6 +114,8 @@ static void channels_list(const Image *image, Channel list[CHANNELS_MAX], int *c
             list[n++] = (Channel){ names[layer][k], layers[layer] + k, 3, false };
     list[n++] = (Channel){ "depth.Z", image->depth, 1, false };
     list[n++] = (Channel){ "patch.ID", image->patch, 1, true };
+    if (image->deviation != NULL)
+        list[n++] = (Channel){ "deviation.Y", image->deviation, 1, false };
     assert(n <= CHANNELS_MAX);
     *count = n;
 }

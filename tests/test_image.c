@@ -104,6 +104,29 @@ static int find_bytes(const char *bytes, size_t size, const void *wanted, size_t
     return -1;
 }
 
+/* The layer of errors is there when it was asked for, and not otherwise. */
+static void exr_holds_the_deviation(void **state)
+{
+    Error  err = { 0 };
+    size_t size = 0;
+    Image *image = numbered(7, 4);
+    assert_null(image->deviation);
+    assert_true(image_write_exr(image, &info, scratch_path(*state, "a.exr"), &err));
+    char *plain = file_read(scratch_path(*state, "a.exr"), 1 << 20, &size, &err);
+    assert_true(find_bytes(plain, size, "deviation.Y", 12) < 0);
+    array_free(plain);
+    assert_true(image_add_deviation(image, &err) && image_add_deviation(image, &err));
+    assert_true(image->deviation[7 * 4 - 1] == 0);
+    image->deviation[5] = 3;
+    assert_true(image_write_exr(image, &info, scratch_path(*state, "a.exr"), &err));
+    char *with = file_read(scratch_path(*state, "a.exr"), 1 << 20, &size, &err);
+    /* After depth.Z, of floats. */
+    assert_true(find_bytes(with, size, "deviation.Y\0\x02", 13) > 0);
+    array_free(with);
+    image_destroy(image);
+    assert_false(error_is_set(&err));
+}
+
 /* The header, byte for byte where the format's own description fixes it: magic number, version 2,
  * the names of the channels in alphabetical order, the attributes; and the same file twice. */
 static void exr_header_is_the_formats(void **state)
@@ -484,6 +507,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(exr_comes_back, setup, teardown),
         cmocka_unit_test_setup_teardown(exr_header_is_the_formats, setup, teardown),
+        cmocka_unit_test_setup_teardown(exr_holds_the_deviation, setup, teardown),
         cmocka_unit_test_setup_teardown(exr_half_files_are_read, setup, teardown),
         cmocka_unit_test_setup_teardown(exr_damage_is_an_error, setup, teardown),
         cmocka_unit_test_setup_teardown(png_holds_known_greys, setup, teardown),
