@@ -107,6 +107,7 @@ static bool write_picture(Pipeline *pipeline, const Image *image, const Names *n
     char command[1024];
     record_command(options, command, sizeof command);
     pipeline->exposure = options->exposure_set ? options->exposure : image_auto_exposure(image);
+    const ImageTone tone = { pipeline->exposure, (ToneCurve)options->tone };
     const ImageInfo info = {
         .eye = { eye.x, eye.y, eye.z },
         .target = { target.x, target.y, target.z },
@@ -120,7 +121,7 @@ static bool write_picture(Pipeline *pipeline, const Image *image, const Names *n
         .scene_hash = pipeline->scene->hash,
     };
     const bool written = image_write_exr(image, &info, names->exr, err) &&
-                         image_write_png(image, pipeline->exposure, &info, names->png, err);
+                         image_write_png(image, &tone, &info, names->png, err);
     pipeline_note(pipeline, STAGE_WRITE, begin);
     return written;
 }

@@ -8,6 +8,7 @@
 #include "radiosity/links.h"
 #include "radiosity/sides.h"
 #include "radiosity/solve.h"
+#include "render/image.h"
 
 /* The words of these options stand in the order of the library's enumerations. */
 _Static_assert(CLOSURE_NONE == 0 && CLOSURE_ROWS == 1 && CLOSURE_RECIPROCITY == 2 &&
@@ -17,6 +18,9 @@ _Static_assert(SOLVER_GAUSS_SEIDEL == 0 && SOLVER_JACOBI == 1 && SOLVER_PROGRESS
                    SOLVER_HIERARCHICAL == 6 && SOLVER_COUNT == 7, "words of --solver");
 _Static_assert(EMIT_AUTO == 0 && EMIT_FRONT == 1 && EMIT_BACK == 2 && EMIT_BOTH == 3,
                "words of --emit");
+
+_Static_assert(TONE_SHOULDER == 0 && TONE_LINEAR == 1 && TONE_REINHARD == 2 && TONE_FILMIC == 3,
+               "words of --tone");
 
 #define FIELD(name) offsetof(Options, name)
 #define BIG 1e30
@@ -112,6 +116,8 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       1 << 24, NULL, "hemisphere rays per camera ray (render) or per point (measure, factors)" },
     { OPTION_EXPOSURE, "--exposure", "EV", COMMAND_RENDER | COMMAND_SOLVE, KIND_EXPOSURE,
       FIELD(exposure), 0, 0, NULL, "of PNG and PLY colours, in stops, or auto (default)" },
+    { OPTION_TONE, "--tone", "CURVE", COMMAND_RENDER, KIND_CHOICE, FIELD(tone), 0, 0,
+      "shoulder,linear,reinhard,filmic", "how bright light is put on the PNG (default shoulder)" },
     { OPTION_CAMERA, "--camera", "NAME", COMMAND_RENDER | COMMAND_BENCH, KIND_TEXT, FIELD(camera),
       0, 0, NULL, "a camera of the file (default: its first, or a view of the room)" },
     { OPTION_EYE, "--eye", "X,Y,Z", COMMAND_RENDER | COMMAND_BENCH, KIND_VECTOR, FIELD(eye), 0, 0,

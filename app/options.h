@@ -87,6 +87,7 @@ typedef enum {
     OPTION_SPP,
     OPTION_GATHER_RAYS,
     OPTION_EXPOSURE,
+    OPTION_TONE,
     OPTION_CAMERA,
     OPTION_EYE,
     OPTION_TARGET,
@@ -133,6 +134,7 @@ typedef struct Options {
     const char *errors;      /* file of standard errors */
     int         quality, progress, closure, storage, solver, by, exchange, emit, sides, units;
     int         light;
+    int         tone;        /* ToneCurve */
     bool        print_config, diffuse, help, adapt, no_adapt, constant;
     bool        overshoot, no_ambient, compare, light_groups;
     const char *changes;     /* file of changes */

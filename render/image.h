@@ -45,10 +45,19 @@ bool image_write_exr(const Image *image, const ImageInfo *info, const char *path
 /* R G B of an EXR (any of half, float), for comparing; width and height are set.
  * owns   the caller frees with array_free. */
 float *image_read_exr(const char *path, int *width, int *height, Error *err);
+/* The same of a layer: "irradiance"; NULL: R G B. */
+float *image_read_layer(const char *path, const char *layer, int *width, int *height, Error *err);
 
-/* 8-bit sRGB PNG: radiance * 2^exposure, tone curve, sRGB; text chunks from info. */
-bool image_write_png(const Image *image, double exposure, const ImageInfo *info, const char *path,
-                     Error *err);
+/* How light is put on a screen: times 2^exposure, then a curve (render/tonemap.c), then sRGB. */
+typedef enum { TONE_SHOULDER, TONE_LINEAR, TONE_REINHARD, TONE_FILMIC } ToneCurve;
+typedef struct {
+    double    exposure; /* EV */
+    ToneCurve curve;
+} ImageTone;
+
+/* 8-bit sRGB PNG of the radiance; text chunks from info. */
+bool image_write_png(const Image *image, const ImageTone *tone, const ImageInfo *info,
+                     const char *path, Error *err);
 /* The exposure (EV) that puts the picture's log-average luminance, lamps left out, at mid grey. */
 double image_auto_exposure(const Image *image);
 

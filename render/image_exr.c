@@ -256,22 +256,23 @@ static const double RATIO_LIMIT = 1032;
 typedef struct {
     exr_context_t file;
     int           left, top, width, height; /* data window */
+    char          name[3][64];              /* of the three channels */
     float        *rgb;                      /* [3 * width * height] */
 } Picture;
 
-/* Points the decoder's R, G and B at pixel (x, y) of `base`, a picture of `width`; the others are
- * skipped. Whatever their type in the file, they come as floats. */
-static void aim_decoder(exr_decode_pipeline_t *decoder, float *base, int width, int x, int y)
+/* Points the decoder's three channels at pixel (x, y) of the picture; the others are skipped.
+ * Whatever their type in the file, they come as floats. */
+static void aim_decoder(exr_decode_pipeline_t *decoder, const Picture *picture, int x, int y)
 {
-    static const char *const names[3] = { "R", "G", "B" };
+    const int width = picture->width;
     for (int c = 0; c < decoder->channel_count; c++) {
         exr_coding_channel_info_t *channel = &decoder->channels[c];
         channel->decode_to_ptr = NULL;
         for (int k = 0; k < 3; k++) {
-            if (strcmp(channel->channel_name, names[k]) != 0)
+            if (strcmp(channel->channel_name, picture->name[k]) != 0)
                 continue;
             const size_t at = 3 * ((size_t)y * (size_t)width + (size_t)x) + (size_t)k;
-            channel->decode_to_ptr = (uint8_t *)(base + at);
+            channel->decode_to_ptr = (uint8_t *)(picture->rgb + at);
             channel->user_pixel_stride = 3 * (int)sizeof(float);
             channel->user_line_stride = 3 * (int)sizeof(float) * width;
             channel->user_bytes_per_element = sizeof(float);
@@ -294,7 +295,7 @@ static exr_result_t read_chunk(const Picture *picture, const exr_chunk_info_t *c
     if (r != EXR_ERR_SUCCESS)
         return r;
     *started = true;
-    aim_decoder(decoder, picture->rgb, picture->width, x, y);
+    aim_decoder(decoder, picture, x, y);
     /* The unpacking routine depends on sizes that differ at the rim: chosen each time. */
     r = exr_decoding_choose_default_routines(picture->file, 0, decoder);
     return r ? r : exr_decoding_run(picture->file, 0, decoder);
@@ -335,25 +336,24 @@ static exr_result_t read_tiles(const Picture *picture)
     return r;
 }
 
-/* Whether R, G and B are there, half or float, one value a pixel. */
-static bool check_channels(exr_const_context_t file, const char *path, Error *err)
+/* Whether the three channels are there, half or float, one value a pixel. */
+static bool check_channels(const Picture *picture, const char *path, Error *err)
 {
-    static const char *const names[3] = { "R", "G", "B" };
     const exr_attr_chlist_t *list = NULL;
-    if (exr_get_channels(file, 0, &list) != EXR_ERR_SUCCESS || list == NULL)
+    if (exr_get_channels(picture->file, 0, &list) != EXR_ERR_SUCCESS || list == NULL)
         return error_at(err, ERROR_INPUT, path, 0, "has no list of channels");
     for (int k = 0; k < 3; k++) {
         const exr_attr_chlist_entry_t *found = NULL;
         for (int i = 0; i < list->num_channels; i++)
-            if (strcmp(list->entries[i].name.str, names[k]) == 0)
+            if (strcmp(list->entries[i].name.str, picture->name[k]) == 0)
                 found = &list->entries[i];
         if (found == NULL)
-            return error_at(err, ERROR_INPUT, path, 0, "has no channel %s", names[k]);
+            return error_at(err, ERROR_INPUT, path, 0, "has no channel %s", picture->name[k]);
         if (found->x_sampling != 1 || found->y_sampling != 1)
-            return error_at(err, ERROR_INPUT, path, 0, "channel %s is subsampled", names[k]);
+            return error_at(err, ERROR_INPUT, path, 0, "channel %s is subsampled", picture->name[k]);
         if (found->pixel_type != EXR_PIXEL_HALF && found->pixel_type != EXR_PIXEL_FLOAT)
             return error_at(err, ERROR_INPUT, path, 0, "channel %s is not half or float",
-                            names[k]);
+                            picture->name[k]);
     }
     return true;
 }
@@ -372,7 +372,7 @@ static bool read_picture(Picture *picture, const char *path, const Memory *memor
     if (w < 1 || h < 1 || w > IMAGE_SIDE_MAX || h > IMAGE_SIDE_MAX)
         return error_at(err, ERROR_INPUT, path, 0, "has %lld x %lld pixels; sides must be 1 to %d",
                         (long long)w, (long long)h, (int)IMAGE_SIDE_MAX);
-    if (!check_channels(picture->file, path, err))
+    if (!check_channels(picture, path, err))
         return false;
     if (3.0 * 2.0 * (double)w * (double)h > RATIO_LIMIT * (double)memory->size)
         return error_at(err, ERROR_INPUT, path, 0, "is too short for %lld x %lld pixels",
@@ -393,6 +393,11 @@ static bool read_picture(Picture *picture, const char *path, const Memory *memor
 
 float *image_read_exr(const char *path, int *width, int *height, Error *err)
 {
+    return image_read_layer(path, NULL, width, height, err);
+}
+
+float *image_read_layer(const char *path, const char *layer, int *width, int *height, Error *err)
+{
     assert(path != NULL && width != NULL && height != NULL && err != NULL);
     if (error_is_set(err))
         return NULL;
@@ -405,6 +410,9 @@ float *image_read_exr(const char *path, int *width, int *height, Error *err)
     init.size_fn = memory_size;
     init.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     Picture            picture = { 0 };
+    for (int k = 0; k < 3; k++)
+        snprintf(picture.name[k], sizeof picture.name[k], "%.60s%s%c", layer != NULL ? layer : "",
+                 layer != NULL ? "." : "", "RGB"[k]);
     const exr_result_t r = exr_start_read(&picture.file, path, &init);
     bool               ok = r == EXR_ERR_SUCCESS;
     if (!ok)

@@ -2,6 +2,7 @@
 /* 8-bit sRGB PNG with text chunks, by libpng, the only file that includes it; no time chunk, so the
  * same picture is the same file. */
 #include <assert.h>
+#include <math.h>
 #include <png.h>
 #include <stdio.h>
 #include <string.h>
@@ -46,7 +47,8 @@ static void texts_add(Texts *texts, const char *key, const char *value)
 static void texts_fill(Texts *texts, double exposure, const ImageInfo *info)
 {
     memset(texts, 0, sizeof *texts);
-    snprintf(texts->exposure, sizeof texts->exposure, "%.6g EV", exposure);
+    if (!isnan(exposure))
+        snprintf(texts->exposure, sizeof texts->exposure, "%.6g EV", exposure);
     snprintf(texts->software, sizeof texts->software, "isolux%s%.40s",
              info != NULL && info->version != NULL ? " " : "",
              info != NULL && info->version != NULL ? info->version : "");
@@ -59,38 +61,49 @@ static void texts_fill(Texts *texts, double exposure, const ImageInfo *info)
     }
 }
 
+/* What is written, row by row: bytes as they are, or light through a tone curve. */
+typedef struct {
+    int              width, height;
+    const uint8_t   *pixels;   /* NULL: from the light */
+    const float     *radiance;
+    const ImageTone *tone;
+    uint8_t         *row;      /* scratch, for light */
+} Rows;
+
+static const uint8_t *rows_get(const Rows *rows, int y)
+{
+    const size_t at = 3 * (size_t)y * (size_t)rows->width;
+    if (rows->pixels != NULL)
+        return rows->pixels + at;
+    tonemap_row(rows->radiance + at, rows->width, y, rows->tone, rows->row);
+    return rows->row;
+}
+
 /* Everything between the jump's landing place and the end; false when libpng jumped. */
-static bool write_rows(png_structp png, png_infop info, FILE *stream, const Image *image,
-                       double exposure, Texts *texts, uint8_t *row)
+static bool write_rows(png_structp png, png_infop info, FILE *stream, const Rows *rows,
+                       Texts *texts)
 {
     if (setjmp(png_jmpbuf(png)))
         return false;
     png_init_io(png, stream);
-    png_set_IHDR(png, info, (png_uint_32)image->width, (png_uint_32)image->height, 8,
+    png_set_IHDR(png, info, (png_uint_32)rows->width, (png_uint_32)rows->height, 8,
                  PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
     png_set_text(png, info, texts->text, texts->count);
     png_write_info(png, info);
-    for (int y = 0; y < image->height; y++) {
-        tonemap_row(image->radiance + 3 * (size_t)y * (size_t)image->width, image->width, y,
-                    exposure, row);
-        png_write_row(png, row);
-    }
+    for (int y = 0; y < rows->height; y++)
+        png_write_row(png, rows_get(rows, y));
     png_write_end(png, info);
     return true;
 }
 
-bool image_write_png(const Image *image, double exposure, const ImageInfo *info, const char *path,
-                     Error *err)
+static bool write_file(const Rows *rows, double exposure, const ImageInfo *info, const char *path,
+                       Error *err)
 {
-    assert(image != NULL && path != NULL && err != NULL);
-    uint8_t *row = array_create(3 * (size_t)image->width, 1, "row of a PNG", err);
-    OutFile *out = error_is_set(err) ? NULL : outfile_open(path, err);
-    if (out == NULL) {
-        array_free(row);
+    OutFile *out = outfile_open(path, err);
+    if (out == NULL)
         return false;
-    }
     Texts texts;
     texts_fill(&texts, exposure, info);
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, err, on_error, on_warning);
@@ -98,12 +111,31 @@ bool image_write_png(const Image *image, double exposure, const ImageInfo *info,
     bool        ok = header != NULL;
     if (!ok)
         error_set(err, ERROR_MEMORY, "out of memory writing %s", path);
-    ok = ok && write_rows(png, header, outfile_stream(out), image, exposure, &texts, row);
+    ok = ok && write_rows(png, header, outfile_stream(out), rows, &texts);
     png_destroy_write_struct(&png, &header);
-    array_free(row);
     if (!ok) {
         outfile_discard(out);
         return false;
     }
     return outfile_commit(out, err);
+}
+
+bool png_write_pixels(const uint8_t *pixels, int width, int height, double exposure,
+                      const ImageInfo *info, const char *path, Error *err)
+{
+    assert(pixels != NULL && width > 0 && height > 0 && path != NULL && err != NULL);
+    const Rows rows = { .width = width, .height = height, .pixels = pixels };
+    return !error_is_set(err) && write_file(&rows, exposure, info, path, err);
+}
+
+bool image_write_png(const Image *image, const ImageTone *tone, const ImageInfo *info,
+                     const char *path, Error *err)
+{
+    assert(image != NULL && tone != NULL && path != NULL && err != NULL);
+    const Rows rows = { .width = image->width, .height = image->height,
+                        .radiance = image->radiance, .tone = tone,
+                        .row = array_create(3 * (size_t)image->width, 1, "row of a PNG", err) };
+    const bool ok = !error_is_set(err) && write_file(&rows, tone->exposure, info, path, err);
+    array_free(rows.row);
+    return ok;
 }

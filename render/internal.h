@@ -12,12 +12,20 @@ enum { IMAGE_SIDE_MAX = 32768 };
 
 /* --- tonemap.c ------------------------------------------------------------------------------- */
 
-/* Display-linear 0..1 for scene-linear v >= 0 (exposed: 0.18 is mid grey). See tonemap.c. */
+/* Display-linear 0..1 for scene-linear v >= 0 (exposed: 0.18 is mid grey). See tonemap.c. The first
+ * is TONE_SHOULDER. */
 double tonemap_curve(double v);
+double tonemap_by(ToneCurve curve, double v);
 /* sRGB transfer of a display-linear value, 0..1. */
 double tonemap_srgb(double v);
 /* A row of 8-bit pixels out of `width` linear ones; y places the dither pattern. */
-void tonemap_row(const float *radiance, int width, int y, double exposure, uint8_t *out);
+void tonemap_row(const float *radiance, int width, int y, const ImageTone *tone, uint8_t *out);
+
+/* --- image_png.c ----------------------------------------------------------------------------- */
+
+/* 8-bit sRGB pixels [3 * width * height] as they are. exposure NAN: not said in the file. */
+bool png_write_pixels(const uint8_t *pixels, int width, int height, double exposure,
+                      const ImageInfo *info, const char *path, Error *err);
 
 /* --- camera_rays.c --------------------------------------------------------------------------- */
 

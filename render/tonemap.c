@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From scene light to display bytes: exposure, tone curve, sRGB, dither; and the exposure itself.
  *
- * Curve    linear up to KNEE, so that mid greys and all below keep their value; above it a shoulder
- *              y = KNEE + (1 - KNEE) (1 - exp(-(v - KNEE) / (1 - KNEE)))
- *          which leaves the line with the same slope and reaches white only at infinity. It works
- *          on each channel, so that very bright colours fade to white as they do on film.
+ * Curves   work on each channel, so that very bright colours fade to white as they do on film.
+ *   shoulder  linear up to KNEE, so that mid greys and all below keep their value; above it
+ *                 y = KNEE + (1 - KNEE) (1 - exp(-(v - KNEE) / (1 - KNEE)))
+ *             which leaves the line with the same slope and reaches white only at infinity
+ *   linear    cut off at white
+ *   reinhard  y = v (1 + v / WHITE^2) / (1 + v) [reinhard02]
+ *   filmic    a quotient of two parabolas with a toe and a shoulder [narkowicz16], its input
+ *             scaled so that mid grey stays
  * Dither   an 8 x 8 ordered pattern of one step, the same for each picture and the three channels:
  *          no banding on large soft walls, and the same bytes each time.
  */
@@ -26,6 +30,41 @@ double tonemap_curve(double v)
     return v <= KNEE ? v : KNEE + (1 - KNEE) * -expm1(-(v - KNEE) / (1 - KNEE));
 }
 
+static const double REINHARD_WHITE = 4; /* shown as white: more than four stops above mid grey */
+
+static double reinhard(double v)
+{
+    return fmin(1, v * (1 + v / (REINHARD_WHITE * REINHARD_WHITE)) / (1 + v));
+}
+
+static double filmic(double v)
+{
+    /* The published fit, and where it gives MID_GREY: the root of
+     * (A - G C) x^2 + (B - G D) x - G E. */
+    static const double A = 2.51, B = 0.03, C = 2.43, D = 0.59, E = 0.14;
+    const double G = MID_GREY, a = A - G * C, b = B - G * D, c = -G * E;
+    const double grey = (-b + sqrt(b * b - 4 * a * c)) / (2 * a);
+    const double x = fmin(v, 1e6) * grey / MID_GREY; /* beyond it is white, and squares stay finite */
+    return fmin(1, x * (A * x + B) / (x * (C * x + D) + E));
+}
+
+double tonemap_by(ToneCurve curve, double v)
+{
+    if (!(v > 0))
+        return 0;
+    switch (curve) {
+    case TONE_LINEAR:
+        return fmin(1, v);
+    case TONE_REINHARD:
+        return reinhard(fmin(v, 1e6));
+    case TONE_FILMIC:
+        return filmic(v);
+    case TONE_SHOULDER:
+        break;
+    }
+    return tonemap_curve(v);
+}
+
 double tonemap_srgb(double v)
 {
     /* IEC 61966-2-1 */
@@ -43,14 +82,14 @@ static unsigned dither_rank(unsigned x, unsigned y)
     return rank;
 }
 
-void tonemap_row(const float *radiance, int width, int y, double exposure, uint8_t *out)
+void tonemap_row(const float *radiance, int width, int y, const ImageTone *tone, uint8_t *out)
 {
     assert(radiance != NULL && out != NULL && width > 0);
-    const double scale = exp2(exposure);
+    const double scale = exp2(tone->exposure);
     for (int x = 0; x < width; x++) {
         const double threshold = (dither_rank((unsigned)x & 7, (unsigned)y & 7) + 0.5) / 64;
         for (int k = 0; k < 3; k++) {
-            const double level = 255 * tonemap_srgb(tonemap_curve(scale * radiance[3 * x + k]));
+            const double level = 255 * tonemap_srgb(tonemap_by(tone->curve, scale * radiance[3 * x + k]));
             const double byte = floor(level + threshold);
             out[3 * x + k] = (uint8_t)(byte > 255 ? 255 : byte);
         }

@@ -315,7 +315,7 @@ static void png_holds_known_greys(void **state)
         Image *image = image_create(16, 8, &err);
         for (int k = 0; k < 3 * 16 * 8; k++)
             image->radiance[k] = greys[i].linear / 4; /* and exposed by 2 EV */
-        assert_true(image_write_png(image, 2, &info, scratch_path(*state, "a.png"), &err));
+        assert_true(image_write_png(image, &(ImageTone){ .exposure = 2 }, &info, scratch_path(*state, "a.png"), &err));
         image_destroy(image);
         png_image png = { .version = PNG_IMAGE_VERSION };
         assert_true(png_image_begin_read_from_file(&png, scratch_path(*state, "a.png")));
@@ -339,8 +339,9 @@ static void png_says_how_it_was_made(void **state)
     Error  err = { 0 };
     size_t size = 0, size2 = 0;
     Image *image = numbered(3, 5);
-    assert_true(image_write_png(image, -1.5, &info, scratch_path(*state, "a.png"), &err));
-    assert_true(image_write_png(image, -1.5, &info, scratch_path(*state, "b.png"), &err));
+    const ImageTone tone = { .exposure = -1.5 };
+    assert_true(image_write_png(image, &tone, &info, scratch_path(*state, "a.png"), &err));
+    assert_true(image_write_png(image, &tone, &info, scratch_path(*state, "b.png"), &err));
     char *a = file_read(scratch_path(*state, "a.png"), 1 << 20, &size, &err);
     char *b = file_read(scratch_path(*state, "b.png"), 1 << 20, &size2, &err);
     assert_non_null(a);
@@ -373,6 +374,28 @@ static void curve_has_a_soft_shoulder(void **state)
     assert_true(fabs((tonemap_curve(0.25 + h) - 0.25) / h - 1) < h);
     for (double v = 0; v < 5; v += 0.01)
         assert_true(tonemap_curve(v + 0.01) > tonemap_curve(v) && tonemap_curve(v) < 1);
+}
+
+/* Values worked out by hand from the published formulas; and what each curve must do with greys,
+ * whites and garbage. */
+static void curves_are_those_published(void **state)
+{
+    (void)state;
+    static const ToneCurve all[] = { TONE_SHOULDER, TONE_LINEAR, TONE_REINHARD, TONE_FILMIC };
+    assert_true(tonemap_by(TONE_LINEAR, 0.6) == 0.6 && tonemap_by(TONE_LINEAR, 1.5) == 1);
+    assert_true(fabs(tonemap_by(TONE_REINHARD, 1) - 17.0 / 32) < 1e-12);
+    assert_true(fabs(tonemap_by(TONE_REINHARD, 4) - 1) < 1e-12);
+    assert_true(fabs(tonemap_by(TONE_FILMIC, 0.18) - 0.18) < 1e-12);
+    for (size_t c = 0; c < sizeof all / sizeof *all; c++) {
+        double before = 0;
+        assert_true(tonemap_by(all[c], NAN) == 0 && tonemap_by(all[c], -1) == 0);
+        assert_true(tonemap_by(all[c], INFINITY) == 1);
+        for (double v = 0.001; v < 100; v *= 1.1) {
+            const double y = tonemap_by(all[c], v);
+            assert_true(y >= before && y <= 1);
+            before = y;
+        }
+    }
 }
 
 /* Half the picture 0.09, half 0.36, one lamp: the log-average is 0.18, so 0 EV. */
@@ -513,6 +536,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(png_holds_known_greys, setup, teardown),
         cmocka_unit_test_setup_teardown(png_says_how_it_was_made, setup, teardown),
         cmocka_unit_test(curve_has_a_soft_shoulder),
+        cmocka_unit_test(curves_are_those_published),
         cmocka_unit_test(exposure_leaves_lamps_out),
         cmocka_unit_test(camera_sees_its_field),
         cmocka_unit_test(camera_projections_are_where_they_should_be),
