@@ -183,7 +183,7 @@ bool cmd_validate(Pipeline *pipeline, int *exit_code, Error *err)
     Validation v = { .session = session, .out = taken ? stderr : stdout };
     Error json_error = { 0 };
     typedef const Case *(*CaseList)(size_t *count);
-    static const CaseList lists[] = { validate_factor_cases, validate_closed_cases,
+    static const CaseList lists[] = { validate_factor_cases, validate_view_cases, validate_closed_cases,
                                       validate_light_cases, validate_plate_cases,
                                       validate_room_cases };
     session->told = true;

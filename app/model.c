@@ -31,24 +31,25 @@ uint32_t model_grey(Scene *scene, const char *name, double reflectance, double e
                         rgb(exitance, exitance, exitance), err);
 }
 
-static void add_corners(Scene *scene, const Vec3 corner[4], uint32_t material, const char *group,
-                        Error *err)
+void model_polygon(Scene *scene, const Vec3 *corner, int corners, uint32_t material,
+                   const char *group, Error *err)
 {
-    uint32_t index[4], number = 0;
+    uint32_t index[MODEL_CORNERS], number = 0;
+    assert(corners >= 3 && corners <= MODEL_CORNERS);
     if (error_is_set(err))
         return;
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < corners; i++)
         if (!polygons_add_vertex(&scene->polygons, corner[i], &index[i], err))
             return;
     if (polygons_add_group(&scene->polygons, group, &number, err))
-        polygons_add_polygon(&scene->polygons, index, 4, material, number, err);
+        polygons_add_polygon(&scene->polygons, index, (size_t)corners, material, number, err);
 }
 
 void model_rectangle(Scene *scene, Vec3 o, Vec3 u, Vec3 v, uint32_t material, const char *group,
                      Error *err)
 {
     const Vec3 corner[4] = { o, vec3_add(o, u), vec3_add(vec3_add(o, u), v), vec3_add(o, v) };
-    add_corners(scene, corner, material, group, err);
+    model_polygon(scene, corner, 4, material, group, err);
 }
 
 void model_box(Scene *scene, Vec3 s, const uint32_t material[6], Error *err)
@@ -129,7 +130,7 @@ Scene *model_cornell(Error *err)
         Vec3 corner[4];
         for (int k = 0; k < 4; k++)
             corner[k] = vec3(face->corner[k][0], face->corner[k][1], face->corner[k][2]);
-        add_corners(scene, corner, (uint32_t)face->material, groups[face->material], err);
+        model_polygon(scene, corner, 4, (uint32_t)face->material, groups[face->material], err);
     }
     if (!error_is_set(err))
         scene_add_camera(scene, &camera, err);

@@ -11,6 +11,10 @@
 /* A grey material: reflectance and emitted exitance (not radiance). */
 uint32_t model_grey(Scene *scene, const char *name, double reflectance, double exitance,
                     Error *err);
+/* A polygon of 3 .. MODEL_CORNERS corners, counter-clockwise seen from its front. */
+enum { MODEL_CORNERS = 64 };
+void model_polygon(Scene *scene, const Vec3 *corner, int corners, uint32_t material,
+                   const char *group, Error *err);
 /* The parallelogram o, o+u, o+u+v, o+v; its front is where u x v points. */
 void model_rectangle(Scene *scene, Vec3 o, Vec3 u, Vec3 v, uint32_t material, const char *group,
                      Error *err);
