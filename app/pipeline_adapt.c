@@ -124,7 +124,8 @@ static bool light_roughly(Adaption *a, Pass *pass, Error *err)
     const Monitor quiet = { .user = a, .stop = pass_stop };
     const DirectOptions direct = { .seed = settings->seed, .threads = settings->threads };
     const SolveOptions so = { .tolerance = ROUGH_TOLERANCE, .threads = settings->threads };
-    pass->closed = links_close(pipeline->links, CLOSURE_ROWS, settings->threads, &quiet, err);
+    pass->closed = links_close(pipeline->links, pipeline->patches, CLOSURE_ROWS, settings->threads,
+                               &quiet, err);
     if (pass->closed == NULL || !set_problem(&pipeline->room, pass, err) ||
         !direct_create(&pipeline->room, pass->closed, &direct, &pass->direct, &quiet, err))
         return false;

@@ -90,7 +90,7 @@ static bool enforce(Pipeline *pipeline, Error *err)
         return true;
     Links *closed;
     do {
-        closed = links_close(pipeline->links, session->settings.closure,
+        closed = links_close(pipeline->links, pipeline->patches, session->settings.closure,
                              session->settings.threads, &session->monitor, err);
     } while (closed == NULL && pipeline_hurry(pipeline, err));
     pipeline->closure_seconds = progress_now() - begin;

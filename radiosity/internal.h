@@ -282,7 +282,7 @@ Links *row_maker_gather(RowMaker *maker, Error *err);
 
 /* Both estimates of each pair made one: form_factor of the result holds S_ij = A_i F_ij, symmetric
  * bit for bit. Pairs nobody sees, or with a patch that is hidden or sees nothing, are left out. */
-Links *links_pairs(const Links *links, unsigned threads, Error *err);
+Links *links_pairs(const Links *links, const Patches *patches, unsigned threads, Error *err);
 typedef struct {
     double   missed;   /* greatest error of a row, relative to its area */
     uint32_t opened;   /* rows that could be balanced only by letting some light escape */

@@ -115,16 +115,17 @@ bool   links_check(const Links *links);
  *                known better, stay as they are where that is possible
  *   RECIPROCITY  A_i F_ij and A_j F_ji become their mean, weighted by 1/A_i and 1/A_j, the inverses
  *                of their variances; between a lamp and another patch, what the other found by
- *                visibility rays
+ *                visibility rays, unless it is large and the lamp near
  *   BOTH         reciprocity, then one factor per patch, d_i d_j on links and d_i on escape, so
  *                that rows hold to 1e-7 ([sinkhorn67] in its symmetric form, found by Newton's
  *                method; less on links between a lamp and another patch)
+ * patches  those that the links are between, to know which lamps are near; NULL: none is.
  * Zeros stay zero, nothing becomes negative. What was reached is in a links_report of the result.
  * fails  NULL; ERROR_MEMORY, ERROR_STOPPED. Where BOTH has no solution, patches concerned let some
  *        light escape ("closure-opened"); what misses all the same gives its best and warns
  *        ("closure-missed"). */
-Links *links_close(const Links *links, Closure closure, unsigned threads, const Monitor *monitor,
-                   Error *err);
+Links *links_close(const Links *links, const Patches *patches, Closure closure, unsigned threads,
+                   const Monitor *monitor, Error *err);
 
 /* --- rows wherever they lie ------------------------------------------------------------------- */
 

@@ -107,15 +107,16 @@ static bool close_both(Links *pairs, unsigned threads, const Monitor *monitor, E
     return done;
 }
 
-Links *links_close(const Links *links, Closure closure, unsigned threads, const Monitor *monitor,
-                   Error *err)
+Links *links_close(const Links *links, const Patches *patches, Closure closure, unsigned threads,
+                   const Monitor *monitor, Error *err)
 {
     if (error_is_set(err))
         return NULL;
     assert(links != NULL && (unsigned)closure <= CLOSURE_BOTH);
+    assert(patches == NULL || patches->count == links->count);
     Links *out = closure == CLOSURE_NONE || closure == CLOSURE_ROWS
                      ? copy(links, err)
-                     : links_pairs(links, threads, err);
+                     : links_pairs(links, patches, threads, err);
     if (out == NULL)
         return NULL;
     out->rays = links->rays;

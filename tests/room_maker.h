@@ -193,7 +193,7 @@ static inline Links *room_links(const TestRoom *r, uint32_t rays, Closure closur
     assert_true(links_check(raw));
     if (closure == CLOSURE_NONE)
         return raw;
-    Links *closed = links_close(raw, closure, 0, NULL, &err);
+    Links *closed = links_close(raw, r->patches, closure, 0, NULL, &err);
     assert_non_null(closed);
     assert_true(links_check(closed));
     links_destroy(raw);

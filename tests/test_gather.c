@@ -100,7 +100,7 @@ static void place_solve(Place *p)
     double *emission = array_create((size_t)n * 3, sizeof(double), "test", &p->err);
     double *reflectance = array_create((size_t)n * 3, sizeof(double), "test", &p->err);
     Links *raw = links_create(&p->room, &(LinksOptions){ .rays = 64, .threads = 1 }, NULL, &p->err);
-    p->links = links_close(raw, CLOSURE_ROWS, 1, NULL, &p->err);
+    p->links = links_close(raw, p->patches, CLOSURE_ROWS, 1, NULL, &p->err);
     links_destroy(raw);
     assert_string_equal(p->err.text, "");
     for (uint32_t i = 0; i < n; i++) {

@@ -272,7 +272,7 @@ static void group_light(uint32_t flip, uint32_t seed, double light[GROUPS])
     const LinksOptions options = { .rays = 64, .seed = seed };
     Links *raw = links_create(&r.room, &options, NULL, &err);
     assert_non_null(raw);
-    Links *links = links_close(raw, CLOSURE_BOTH, 0, NULL, &err);
+    Links *links = links_close(raw, r.patches, CLOSURE_BOTH, 0, NULL, &err);
     assert_non_null(links);
     double *emission, *reflectance;
     room_problem(&r, &emission, &reflectance);

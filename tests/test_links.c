@@ -9,9 +9,24 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "math/polygon_factor.h"
 #include "tests/room_maker.h"
 
 static const Vec3 ORIGIN = { 0, 0, 0 }, UNIT = { 1, 1, 1 };
+
+typedef struct {
+    int  count;
+    char code[64];
+} Warnings;
+
+static void note(void *user, const char *code, const char *where, const char *text)
+{
+    Warnings *w = user;
+    (void)where;
+    (void)text;
+    w->count++;
+    snprintf(w->code, sizeof w->code, "%s", code);
+}
 
 /* --- closed forms ----------------------------------------------------------------------------- */
 
@@ -132,6 +147,52 @@ static void test_small_lamp(void **state)
     links_destroy(links);
     links_destroy(closed);
     room_clear(&r);
+}
+
+/* A lamp that shines up at a ceiling of 9 patches from 0.1 below, under the middle of one and under
+ * the corner of four: visibility rays from the patches say anything from 0.1 to 3 there. What it
+ * sends each by the contour integral; three standard errors of its own 64 rays. */
+static void test_uplight(void **state)
+{
+    (void)state;
+    static const double at[2] = { 2 - 0.05, 4.0 / 3 - 0.05 };
+    for (int k = 0; k < 2; k++) {
+        TestRoom r = { 0 };
+        Error err = { 0 };
+        Warnings warnings = { 0 };
+        LinksReport report;
+        const Monitor monitor = { .user = &warnings, .warn = note };
+        room_box(&r, ORIGIN, vec3(4, 4, 3), BOX_ALL, true, room_material(&r, 0.7, 0), "");
+        const Vec3 o = { at[k], at[k], 2.9 }, x = { 0.1, 0, 0 }, y = { 0, 0.1, 0 };
+        room_quad(&r, o, x, y, room_material(&r, 0.5, 1), "lamp");
+        room_finish(&r, 1.5, &(SidesOptions){ 0 }, NULL, 0, NULL);
+        Links *raw = room_links(&r, 64, CLOSURE_NONE);
+        Links *links = links_close(raw, r.patches, CLOSURE_BOTH, 0, &monitor, &err);
+        assert_true(links_report(links, &report, &err));
+        assert_int_equal(warnings.count, 0);
+        assert_true(report.escaped == 0 && report.row_sum_error_max < 1e-6);
+        const FlatPolygon lamp = { { o, vec3_add(o, x), vec3_add(vec3_add(o, x), y),
+                                     vec3_add(o, y) }, 4 };
+        int patches = 0;
+        for (uint32_t i = 0; i < links->count; i++) {
+            if (r.patches->group[i] != room_group(&r, "z1"))
+                continue;
+            const Vec3 c = r.patches->centre[i], h = { 2.0 / 3, 2.0 / 3, 0 };
+            const FlatPolygon patch = { { vec3_sub(c, h), { c.x - h.x, c.y + h.y, 3 },
+                                          vec3_add(c, h), { c.x + h.x, c.y - h.y, 3 } }, 4 };
+            const double exact = polygon_factor_area(&lamp, &patch) / 0.01;
+            double f = 0;
+            for (uint64_t n = links->first[i]; n < links->first[i + 1]; n++)
+                if (r.emitting[r.patches->surface[links->source[n]]])
+                    f += links->area[i] * links->form_factor[n] / 0.01;
+            assert_true(fabs(f - exact) < 3 * sqrt(exact * (1 - exact) / 64));
+            patches++;
+        }
+        assert_int_equal(patches, 9);
+        links_destroy(raw);
+        links_destroy(links);
+        room_clear(&r);
+    }
 }
 
 /* --- furnaces --------------------------------------------------------------------------------- */
@@ -359,20 +420,6 @@ static void test_box_on_floor(void **state)
 
 /* --- closures by hand ------------------------------------------------------------------------- */
 
-typedef struct {
-    int  count;
-    char code[64];
-} Warnings;
-
-static void note(void *user, const char *code, const char *where, const char *text)
-{
-    Warnings *w = user;
-    (void)where;
-    (void)text;
-    w->count++;
-    snprintf(w->code, sizeof w->code, "%s", code);
-}
-
 static void test_closure_impossible(void **state)
 {
     (void)state;
@@ -387,7 +434,7 @@ static void test_closure_impossible(void **state)
     Warnings warnings = { 0 };
     const Monitor monitor = { .user = &warnings, .warn = note };
     Error err = { 0 };
-    Links *closed = links_close(&links, CLOSURE_BOTH, 1, &monitor, &err);
+    Links *closed = links_close(&links, NULL, CLOSURE_BOTH, 1, &monitor, &err);
     assert_non_null(closed);
     assert_true(links_check(closed));
     assert_int_equal(warnings.count, 1);
@@ -413,7 +460,7 @@ static void test_closure_alone(void **state)
     Warnings warnings = { 0 };
     const Monitor monitor = { .user = &warnings, .warn = note };
     Error err = { 0 };
-    Links *closed = links_close(&links, CLOSURE_BOTH, 1, &monitor, &err);
+    Links *closed = links_close(&links, NULL, CLOSURE_BOTH, 1, &monitor, &err);
     assert_non_null(closed);
     assert_true(links_check(closed));
     assert_string_equal(warnings.code, "closure-alone");
@@ -423,14 +470,14 @@ static void test_closure_alone(void **state)
     assert_true(fabs(closed->form_factor[1] - 0.75) < 1e-7);
     links_destroy(closed);
 
-    closed = links_close(&links, CLOSURE_RECIPROCITY, 1, &monitor, &err);
+    closed = links_close(&links, NULL, CLOSURE_RECIPROCITY, 1, &monitor, &err);
     /* (0.9 * 4/3 / (7/3), by 1/A), the same power both ways */
     const double s = (0.9F + 0.7F) * (4.0 / 3) / (7.0 / 3);
     assert_true(fabs(closed->form_factor[0] - s) < 1e-7);
     assert_true(fabs(closed->form_factor[1] * 4 / 3 - s) < 1e-7);
     links_destroy(closed);
 
-    closed = links_close(&links, CLOSURE_ROWS, 1, &monitor, &err);
+    closed = links_close(&links, NULL, CLOSURE_ROWS, 1, &monitor, &err);
     assert_true(closed->form_factor[0] == 1 && fabs(closed->form_factor[1] - 0.7 / 0.95) < 1e-7);
     assert_true(fabs(closed->escape[1] - 0.25 / 0.95) < 1e-7);
     links_destroy(closed);
@@ -452,7 +499,7 @@ static void test_two_walls(void **state)
     const Monitor monitor = { .user = &warnings, .warn = note };
     Error err = { 0 };
     Links *raw = room_links(&r, 256, CLOSURE_NONE);
-    Links *links = links_close(raw, CLOSURE_BOTH, 0, &monitor, &err);
+    Links *links = links_close(raw, r.patches, CLOSURE_BOTH, 0, &monitor, &err);
     LinksReport report;
     assert_true(links_report(links, &report, &err));
     assert_int_equal(warnings.count, 0);
@@ -486,7 +533,7 @@ static void test_threads(void **state)
         const LinksOptions o = { .rays = 100, .threads = 1 + 2 * k, .seed = 5 };
         Links *raw = links_create(&r.room, &o, NULL, &err);
         assert_non_null(raw);
-        made[k] = links_close(raw, CLOSURE_BOTH, 1 + 2 * k, NULL, &err);
+        made[k] = links_close(raw, r.patches, CLOSURE_BOTH, 1 + 2 * k, NULL, &err);
         assert_non_null(made[k]);
         links_destroy(raw);
     }
@@ -539,7 +586,7 @@ static void test_memory(void **state)
         Error err = { 0 };
         array_fail_after(n);
         Links *raw = links_create(&r.room, &(LinksOptions){ .rays = 16, .threads = 1 }, NULL, &err);
-        Links *links = links_close(raw, CLOSURE_BOTH, 1, NULL, &err);
+        Links *links = links_close(raw, r.patches, CLOSURE_BOTH, 1, NULL, &err);
         array_fail_after(-1);
         made = links != NULL;
         assert_int_equal(err.code, made ? ERROR_NONE : ERROR_MEMORY);
@@ -561,7 +608,7 @@ int main(void)
         cmocka_unit_test(test_box_on_floor),   cmocka_unit_test(test_closure_impossible),
         cmocka_unit_test(test_closure_alone),  cmocka_unit_test(test_two_walls),
         cmocka_unit_test(test_threads),        cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_memory),        cmocka_unit_test(test_uplight),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

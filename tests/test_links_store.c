@@ -56,7 +56,8 @@ static void a_file_holds_the_same(void **state)
     for (Closure c = CLOSURE_NONE; c <= CLOSURE_BOTH; c++) {
         LinksReport a, b;
         LinksChange x, y;
-        Links *p = links_close(memory, c, 2, NULL, &err), *q = links_close(file, c, 2, NULL, &err);
+        Links *p = links_close(memory, r.patches, c, 2, NULL, &err);
+        Links *q = links_close(file, s.patches, c, 2, NULL, &err);
         assert_true(p != NULL && q != NULL && p->mapped == 0 && q->mapped > 0);
         assert_same(p, q);
         assert_true(links_report(p, &a, &err) && links_report(q, &b, &err));
@@ -101,7 +102,7 @@ static void sixteen_bits_round_as_stated(void **state)
     Error err = { 0 };
     double rounding = 0, again = 0;
     Links *raw = box_links(&r, &(LinksOptions){ .rays = 128 });
-    Links *links = links_close(raw, CLOSURE_BOTH, 1, NULL, &err);
+    Links *links = links_close(raw, r.patches, CLOSURE_BOTH, 1, NULL, &err);
     Links *packed = links_pack(links, NULL, 2, &rounding, &err);
     Links *file = links_pack(links, "/tmp", 1, &again, &err);
     LinksScratch a, b;
