@@ -6,6 +6,7 @@
 
 #include "app/commands.h"
 #include "app/output.h"
+#include "app/pipeline_path.h"
 #include "app/saving.h"
 #include "app/summary.h"
 #include "base/array.h"
@@ -131,15 +132,20 @@ bool cmd_render(Pipeline *pipeline, int *exit_code, Error *err)
     Session *session = pipeline->session;
     Names names;
     assert(session->options.scene != NULL);
+    const bool solved = session->options.renderer == RENDERER_GATHER;
+    if (!solved && !pipeline_path_allowed(&session->options, err))
+        return false;
     if (!picture_names(&session->options, &names, err) || !pipeline_read(pipeline, err) ||
         !pipeline_mesh(pipeline, err) || !pipeline_camera(pipeline, err))
         return false;
     view_size(pipeline);
-    if (!image_fits(pipeline, err) || !pipeline_patches(pipeline, err) ||
-        !pipeline_factors(pipeline, err) || !pipeline_solve(pipeline, err))
+    if (!image_fits(pipeline, err))
         return false;
+    if (solved && (!pipeline_patches(pipeline, err) || !pipeline_factors(pipeline, err) ||
+                   !pipeline_solve(pipeline, err)))
+        return false;
+    Image *image = solved ? gather(pipeline, err) : pipeline_path(pipeline, err);
     *exit_code = pipeline_exit_code(pipeline);
-    Image *image = gather(pipeline, err);
     if (image != NULL && err->code == ERROR_STOPPED && session->broken)
         image = image_destroy(image);
     if (image != NULL && err->code == ERROR_STOPPED) {

@@ -130,6 +130,8 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       179, NULL, "vertical field of view, whole angle" },
     { OPTION_DIFFUSE, "--diffuse", NULL, COMMAND_RENDER, KIND_FLAG, FIELD(diffuse), 0, 0, NULL,
       "leave mirrors, glass and gloss out" },
+    { OPTION_RENDERER, "--renderer", "NAME", COMMAND_RENDER, KIND_CHOICE, FIELD(renderer), 0, 0,
+      "gather,path", "gather (default), or unbiased paths without patches, the slow reference" },
     { OPTION_BY, "--by", "WHAT", COMMAND_FACTORS, KIND_CHOICE, FIELD(by), 0, 0,
       "group,material,patch", "rows of the matrix (default group)" },
     { OPTION_ROWS, "--rows", "FILE", COMMAND_FACTORS, KIND_TEXT, FIELD(rows), 0, 0, NULL,

@@ -266,7 +266,7 @@ static bool find_sides(Pipeline *pipeline, Error *err)
     return done;
 }
 
-static void set_room(Pipeline *pipeline)
+void pipeline_room(Pipeline *pipeline)
 {
     pipeline->room = (Room){
         .surfaces = pipeline->surfaces,
@@ -318,7 +318,7 @@ bool pipeline_patches(Pipeline *pipeline, Error *err)
     } while (pipeline->patches == NULL && pipeline_hurry(pipeline, err));
     if (pipeline->patches == NULL)
         return false;
-    set_room(pipeline);
+    pipeline_room(pipeline);
     pipeline_stochastic_choose(pipeline, pipeline->patches->count);
     pipeline_note(pipeline, STAGE_MESH, begin);
     if (pipeline->patches->count == 0)

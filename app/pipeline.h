@@ -16,6 +16,7 @@
 #include "radiosity/solve.h"
 #include "radiosity/stochastic.h"
 #include "render/gather.h"
+#include "render/path.h"
 #include "scenes/scene.h"
 
 typedef enum {
@@ -74,6 +75,7 @@ typedef struct Pipeline {
     Relit        relit;
     struct Saving *saving;          /* the caller's; NULL: nothing is saved */
     RenderReport render;
+    PathReport   path;              /* of --renderer path */
     int          width, height;     /* of the picture; 0: none was made */
     double       exposure;          /* EV that the picture was shown with */
     double       seconds[STAGE_COUNT];
@@ -85,6 +87,8 @@ typedef struct Pipeline {
 bool pipeline_read(Pipeline *pipeline, Error *err);
 bool pipeline_mesh(Pipeline *pipeline, Error *err);   /* surfaces and BVH */
 bool pipeline_sides(Pipeline *pipeline, Error *err);  /* sides in use; part of the next */
+/* Fills pipeline->room from what is there; part of the next. */
+void pipeline_room(Pipeline *pipeline);
 bool pipeline_patches(Pipeline *pipeline, Error *err);
 bool pipeline_factors(Pipeline *pipeline, Error *err); /* pipeline_factors.c */
 bool pipeline_solve(Pipeline *pipeline, Error *err);

@@ -262,8 +262,15 @@ static void put_render(Json *json, const Pipeline *pipeline)
     json_open(json, "render", '{');
     json_count(json, "width", (uint64_t)pipeline->width);
     json_count(json, "height", (uint64_t)pipeline->height);
-    json_count(json, "samples_per_pixel", settings->spp);
-    json_count(json, "gather_rays", settings->gather_rays);
+    if (pipeline->session->options.renderer == RENDERER_PATH) {
+        json_text(json, "renderer", "path");
+        json_number(json, "samples_per_pixel", pipeline->path.samples);
+        json_number(json, "standard_error", pipeline->path.error);
+    } else {
+        json_text(json, "renderer", "gather");
+        json_count(json, "samples_per_pixel", settings->spp);
+        json_count(json, "gather_rays", settings->gather_rays);
+    }
     json_count(json, "rays", pipeline->render.rays);
     json_number(json, "seconds", pipeline->render.seconds);
     json_number(json, "exposure", pipeline->exposure);
@@ -456,9 +463,13 @@ void summary_print(const Pipeline *pipeline)
     }
     if (pipeline->solution != NULL)
         print_light(pipeline);
+    if (pipeline->path.samples > 0)
+        session_say(session, "  paths    %.6g per pixel, standard error %.3g %% (rms of pixels)",
+                    pipeline->path.samples, 100 * pipeline->path.error);
     if (pipeline->width > 0)
-        session_say(session, "  picture  %d x %d, %u samples, %.3g rays, exposure %+.2f, %.2f s",
-                    pipeline->width, pipeline->height, session->settings.spp,
+        session_say(session, "  picture  %d x %d, %.6g samples, %.3g rays, exposure %+.2f, %.2f s",
+                    pipeline->width, pipeline->height,
+                    pipeline->path.samples > 0 ? pipeline->path.samples : session->settings.spp,
                     (double)pipeline->render.rays, pipeline->exposure,
                     pipeline->seconds[STAGE_GATHER]);
     session_say(session, "  in all   %.2f s, %.0f MB",

@@ -26,9 +26,20 @@ double specular_fresnel(double cosine, double eta)
     return (s * s + p * p) / 2;
 }
 
-/* A body's skin has no rim: each edge has a neighbour. */
-static bool is_skin(const Surface *surface)
+double specular_exponent(const Material *material)
 {
+    return material->exponent > 0 ? material->exponent : EXPONENT_DEFAULT;
+}
+
+double specular_pane(double cosine, double ior)
+{
+    const double f = specular_fresnel(cosine, ior);
+    return 2 * f / (1 + f);
+}
+
+bool specular_is_skin(const Surface *surface)
+{
+    assert(surface != NULL);
     if (surface->kind == SURFACE_SHAPE)
         return true;
     const int edges = surface->kind == SURFACE_QUAD ? 4 : 3;
@@ -54,11 +65,9 @@ static bool glass(const Room *room, const Material *material, const RoomHit *hit
 {
     const double cosine = fmin(fmax(-vec3_dot(in, normal), 0), 1);
     const double ior = material->ior > 0 ? material->ior : 1;
-    const bool   skin = ior != 1 && is_skin(&room->surfaces->surface[hit->surface]);
+    const bool   skin = ior != 1 && specular_is_skin(&room->surfaces->surface[hit->surface]);
     const double eta = skin && hit->side == 1 ? 1 / ior : ior;
-    double       f = specular_fresnel(cosine, eta);
-    if (!skin) /* both faces of the pane, and all that goes to and fro between them */
-        f = 2 * f / (1 + f);
+    const double f = skin ? specular_fresnel(cosine, eta) : specular_pane(cosine, ior);
     const double through = (1 - f) * rgb_max(material->transmittance);
     const double chance = f / (f + through);
     if (choice < chance) {
@@ -111,6 +120,5 @@ bool specular_continue(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 i
                            INFINITY);
         return true;
     }
-    const double exponent = material->exponent > 0 ? material->exponent : EXPONENT_DEFAULT;
-    return gloss(room, material, hit, normal, in, exponent, u, ray, weight);
+    return gloss(room, material, hit, normal, in, specular_exponent(material), u, ray, weight);
 }

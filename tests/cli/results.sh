@@ -25,6 +25,12 @@ done
 for file in .exr .png .ply .csv -patch.mtx -patch.csv -lux.csv; do
     ok "same bytes: $file" same "$file"
 done
+for n in 1 3; do
+    ok "paths, $n threads" exits 0 render "$cube" -o "$DIR/p$n.exr" --renderer path \
+        --light ceiling "${view[@]}" --threads "$n" --progress none --json "$DIR/p.json"
+done
+ok "same paths" cmp "$DIR/p1.exr" "$DIR/p3.exr"
+ok "paths tell their error" grep -q '"standard_error": [0-9]' "$DIR/p.json"
 ok "another seed, another picture" exits 0 render "$cube" -o "$DIR/s.exr" "${fast[@]}" \
     "${view[@]}" --seed 7
 ok "seed changes the bytes" test "$(cmp -s "$DIR/1.exr" "$DIR/s.exr"; echo $?)" = 1

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A picture by paths: no patches, no factors, no solver. */
+#include "app/pipeline_path.h"
+
+#include <assert.h>
+
+bool pipeline_path_allowed(const Options *options, Error *err)
+{
+    static const OptionId refused[] = { OPTION_CHECKPOINT, OPTION_RESUME, OPTION_FACTORS,
+                                        OPTION_SET, OPTION_CHANGES, OPTION_LIGHT_GROUPS,
+                                        OPTION_TRACE };
+    char word[32];
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        if (!options_given(options, refused[i]))
+            continue;
+        value_word(options_table()[OPTION_RENDERER].words, options->renderer, word, sizeof word);
+        return error_set(err, ERROR_USAGE, "%s needs a solution; --renderer %s makes none",
+                         options_table()[refused[i]].name, word);
+    }
+    return true;
+}
+
+Image *pipeline_path(Pipeline *pipeline, Error *err)
+{
+    Session *session = pipeline->session;
+    const Settings *settings = &session->settings;
+    assert(pipeline->has_camera && pipeline->width > 0);
+    if (!pipeline_sides(pipeline, err))
+        return NULL;
+    pipeline_room(pipeline);
+    const double begin = progress_now();
+    const PathOptions po = { .width = pipeline->width, .height = pipeline->height,
+                             .samples = session->hurry ? 1 : settings->spp,
+                             .diffuse_only = session->options.diffuse,
+                             .background = pipeline->scene->background,
+                             .seed = settings->seed, .threads = settings->threads };
+    Image *image = render_path(&pipeline->room, &pipeline->camera, &po, &pipeline->path,
+                               &session->monitor, err);
+    pipeline->render.rays = pipeline->path.rays;
+    pipeline->render.seconds = pipeline->path.seconds;
+    pipeline_note(pipeline, STAGE_GATHER, begin);
+    return image;
+}

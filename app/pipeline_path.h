@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* app/pipeline_path.h -- pictures that need no solution: --renderer path. */
+#ifndef APP_PIPELINE_PATH_H
+#define APP_PIPELINE_PATH_H
+
+#include "app/pipeline.h"
+
+/* Refuses what is of no use without a solution: --checkpoint, --set and the like.
+ * fails  false and ERROR_USAGE. */
+bool pipeline_path_allowed(const Options *options, Error *err);
+
+/* Sides and lamps alone, after pipeline_camera, and the picture.
+ * owns   the caller frees the image.
+ * fails  NULL; stopped: what there is and *err ERROR_STOPPED. */
+Image *pipeline_path(Pipeline *pipeline, Error *err);
+
+#endif

@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The path tracer's lamps: a lamp by chance, a point of it uniform in area. */
+#include <assert.h>
+
+#include "base/array.h"
+#include "math/sampling.h"
+#include "render/path_internal.h"
+
+/* --- the list -------------------------------------------------------------------------------- */
+
+static double strength(Rgb light)
+{
+    const double y = rgb_luminance(light);
+    return y > 0 ? y : rgb_max(light);
+}
+
+static const Material *material_of(const Room *room, uint32_t surface, unsigned side)
+{
+    return &room->materials[surfaces_material(room->surfaces, surface, side)];
+}
+
+static Vec3 corner_of(const Surfaces *s, uint32_t triangle, unsigned k)
+{
+    return s->position[s->corner[3 * (size_t)triangle + k]];
+}
+
+static unsigned triangles_of(const Surface *surface)
+{
+    return surface->kind == SURFACE_QUAD ? 2 : surface->kind == SURFACE_TRIANGLE ? 1 : 0;
+}
+
+static double triangle_area(const Surfaces *s, uint32_t triangle)
+{
+    const Vec3 a = corner_of(s, triangle, 0);
+    return vec3_length(vec3_cross(vec3_sub(corner_of(s, triangle, 1), a),
+                                  vec3_sub(corner_of(s, triangle, 2), a))) / 2;
+}
+
+static PathLamp surface_lamp(const Room *room, uint32_t index, unsigned side)
+{
+    const Surfaces *s = room->surfaces;
+    const Surface  *surface = &s->surface[index];
+    PathLamp lamp = { .surface = index, .side = side };
+    Vec3     lo, hi;
+    if (surface->kind == SURFACE_SHAPE) {
+        shape_bounds(&s->shape[surface->primitive - s->triangle_count], &lo, &hi);
+        lamp.area = surface->area;
+    } else {
+        lo = hi = corner_of(s, surface->primitive, 0);
+        for (unsigned k = 0; k < 3 * triangles_of(surface); k++) {
+            const Vec3 p = corner_of(s, surface->primitive + k / 3, k % 3);
+            lo = vec3_min(lo, p);
+            hi = vec3_max(hi, p);
+        }
+        for (unsigned k = 0; k < triangles_of(surface); k++)
+            lamp.area += triangle_area(s, surface->primitive + k);
+    }
+    lamp.centre = vec3_lerp(lo, hi, 0.5);
+    lamp.radius = vec3_length(vec3_sub(hi, lo)) / 2;
+    lamp.power = M_PI * lamp.area * strength(material_of(room, index, side)->emission);
+    return lamp;
+}
+
+static bool has_power(const Room *room, uint32_t surface, unsigned side)
+{
+    return (room->emitting[surface] >> side & 1) != 0 &&
+           strength(material_of(room, surface, side)->emission) > 0;
+}
+
+static bool lists_create(PathLamps *lamps, size_t count, Error *err)
+{
+    const size_t sides = 2 * (size_t)lamps->room->surfaces->count;
+    if (count >= UINT32_MAX)
+        return error_set(err, ERROR_INPUT, "more than %u lamps", UINT32_MAX - 1);
+    lamps->lamp = array_create(count, sizeof *lamps->lamp, "lamps", err);
+    lamps->below = array_create(count + 1, sizeof *lamps->below, "lamps", err);
+    lamps->of_side = array_create(sides, sizeof *lamps->of_side, "lamps", err);
+    if (error_is_set(err))
+        return false;
+    for (size_t i = 0; i < sides; i++)
+        lamps->of_side[i] = UINT32_MAX;
+    return true;
+}
+
+bool path_lamps_init(PathLamps *lamps, const Room *room, Error *err)
+{
+    const uint32_t surfaces = room->surfaces->count;
+    size_t         count = room->light_count;
+    *lamps = (PathLamps){ .room = room };
+    for (uint32_t i = 0; i < 2 * surfaces; i++)
+        count += has_power(room, i % surfaces, i / surfaces);
+    if (!lists_create(lamps, count, err))
+        return false;
+    for (uint32_t i = 0; i < 2 * surfaces; i++) {
+        if (!has_power(room, i % surfaces, i / surfaces))
+            continue;
+        lamps->of_side[i] = lamps->count;
+        lamps->lamp[lamps->count++] = surface_lamp(room, i % surfaces, i / surfaces);
+    }
+    for (size_t i = 0; i < room->light_count; i++)
+        if (strength(light_flux(&room->lights[i])) > 0)
+            lamps->lamp[lamps->count++] =
+                (PathLamp){ .light = &room->lights[i], .centre = room->lights[i].position,
+                            .power = strength(light_flux(&room->lights[i])) };
+    for (uint32_t i = 0; i < lamps->count; i++)
+        lamps->below[i + 1] = lamps->below[i] + lamps->lamp[i].power;
+    const double all = lamps->below[lamps->count];
+    for (uint32_t i = 1; i <= lamps->count; i++)
+        lamps->below[i] = i < lamps->count ? lamps->below[i] / all : 1;
+    return true;
+}
+
+void path_lamps_clear(PathLamps *lamps)
+{
+    array_free(lamps->lamp);
+    array_free(lamps->below);
+    array_free(lamps->of_side);
+    *lamps = (PathLamps){ 0 };
+}
+
+/* --- the choice ------------------------------------------------------------------------------ */
+
+/* What a lamp may send to a place, roughly: 0 only where it lies below the horizon whole. */
+static double weight_of(const PathLamp *lamp, const PathPlace *from)
+{
+    const Vec3   d = vec3_sub(lamp->centre, from->point);
+    const double distance = vec3_length(d), height = vec3_dot(d, from->normal) + lamp->radius;
+    if (!(height > 0))
+        return 0;
+    if (lamp->light != NULL) {
+        const Vec3 away = vec3_scale(d, -1 / distance);
+        return strength(lamp->light->intensity) * light_share(lamp->light, away) * height /
+               (distance * distance * distance);
+    }
+    const double reach = fmax(distance, lamp->radius);
+    return lamp->power * fmin(height / reach, 1) / (reach * reach);
+}
+
+/* Shares of the lamps, running, at a place: of few lamps those of their weights (into `own`), of
+ * many those of their power. NULL: none sends anything. */
+static const double *shares_at(const PathLamps *lamps, const PathPlace *from,
+                               double own[PATH_WEIGHED + 1])
+{
+    if (lamps->count > PATH_WEIGHED)
+        return lamps->below;
+    own[0] = 0;
+    for (uint32_t i = 0; i < lamps->count; i++)
+        own[i + 1] = own[i] + weight_of(&lamps->lamp[i], from);
+    const double all = own[lamps->count];
+    if (!(all > 0) || !isfinite(all))
+        return NULL;
+    for (uint32_t i = 1; i <= lamps->count; i++)
+        own[i] = i < lamps->count ? own[i] / all : 1;
+    return own;
+}
+
+/* The lamp k with below[k] <= a < below[k + 1]. */
+static uint32_t lamp_at(const double *below, uint32_t count, double a)
+{
+    uint32_t low = 0, high = count;
+    while (high - low > 1) {
+        const uint32_t middle = low + (high - low) / 2;
+        *(a < below[middle] ? &high : &low) = middle;
+    }
+    return low;
+}
+
+/* A point of a surface and the area that it stands for: 1 / density. */
+static double surface_sample(const Surfaces *s, const PathLamp *lamp, double a, double b,
+                             Vec3 *point, Vec3 *normal)
+{
+    const Surface *surface = &s->surface[lamp->surface];
+    double         u, v, area = lamp->area;
+    if (surface->kind == SURFACE_SHAPE) {
+        const Shape *shape = &s->shape[surface->primitive - s->triangle_count];
+        *point = shape_point(shape, a, b);
+        *normal = shape_normal(shape, a, b);
+        area = shape_density(shape, a, b);
+    } else {
+        const double share = triangle_area(s, surface->primitive) / lamp->area;
+        const bool   second = triangles_of(surface) == 2 && a >= share;
+        const uint32_t t = surface->primitive + (second ? 1 : 0);
+        a = second ? (a - share) / (1 - share) : a / share;
+        sampling_triangle(fmin(a, 1), b, &u, &v);
+        *point = vec3_add(vec3_scale(corner_of(s, t, 0), 1 - u - v),
+                          vec3_add(vec3_scale(corner_of(s, t, 1), u),
+                                   vec3_scale(corner_of(s, t, 2), v)));
+        *normal = surfaces_normal(s, t, u, v);
+    }
+    if (lamp->side == 1)
+        *normal = vec3_scale(*normal, -1);
+    return area;
+}
+
+bool path_lamps_aim(const PathLamps *lamps, const PathPlace *from, const float u[3], PathAim *aim)
+{
+    double        own[PATH_WEIGHED + 1];
+    const double *below = shares_at(lamps, from, own);
+    if (below == NULL || lamps->count == 0)
+        return false;
+    const uint32_t  k = lamp_at(below, lamps->count, u[0]);
+    const PathLamp *lamp = &lamps->lamp[k];
+    const double    chance = below[k + 1] - below[k];
+    *aim = (PathAim){ .point = lamp->centre };
+    double area = 0;
+    if (lamp->light == NULL)
+        area = surface_sample(lamps->room->surfaces, lamp, u[1], u[2], &aim->point, &aim->normal);
+    const Vec3   d = vec3_sub(aim->point, from->point);
+    const double square = vec3_dot(d, d);
+    if (!(square > 0) || !(chance > 0))
+        return false;
+    aim->way = vec3_scale(d, 1 / sqrt(square));
+    if (lamp->light != NULL) {
+        const double share = light_share(lamp->light, vec3_scale(aim->way, -1));
+        aim->light = rgb_scale(lamp->light->intensity, share / (square * chance));
+        return rgb_max(aim->light) > 0;
+    }
+    const double cosine = -vec3_dot(aim->way, aim->normal);
+    if (!(cosine > 0) || !(area > 0))
+        return false;
+    aim->density = chance * square / (cosine * area);
+    aim->light = rgb_scale(material_of(lamps->room, lamp->surface, lamp->side)->emission,
+                           1 / aim->density);
+    return true;
+}
+
+double path_lamps_density(const PathLamps *lamps, const PathPlace *from, const RoomHit *hit)
+{
+    const Surfaces *s = lamps->room->surfaces;
+    const uint32_t  k = lamps->of_side[hit->side * (size_t)s->count + hit->surface];
+    double          own[PATH_WEIGHED + 1];
+    const double   *below = shares_at(lamps, from, own);
+    if (k == UINT32_MAX || below == NULL)
+        return 0;
+    const PathLamp *lamp = &lamps->lamp[k];
+    const Surface  *surface = &s->surface[hit->surface];
+    double          area = lamp->area;
+    if (surface->kind == SURFACE_SHAPE)
+        area = shape_density(&s->shape[surface->primitive - s->triangle_count], hit->s, hit->t);
+    const Vec3   d = vec3_sub(hit->point, from->point);
+    const double square = vec3_dot(d, d), cosine = -vec3_dot(d, hit->normal) / sqrt(square);
+    return cosine > 0 && area > 0 ? (below[k + 1] - below[k]) * square / (cosine * area) : 0;
+}

@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Scattering of the path tracer: diffuse, modified Phong [lafortune94], mirrors, glass. */
+#include <assert.h>
+
+#include "math/sampling.h"
+#include "render/normals.h"
+#include "render/path_internal.h"
+#include "render/specular.h"
+
+void path_hit(const Room *room, const Hit *hit, Vec3 direction, RoomHit *out)
+{
+    const Surfaces *s = room->surfaces;
+    SurfacePoint    at;
+    assert(hit->primitive < surfaces_primitive_count(s));
+    *out = (RoomHit){ .surface = surfaces_of_primitive(s, hit->primitive), .patch = PATCH_NONE,
+                      .primitive = hit->primitive };
+    surfaces_parameters(s, hit->primitive, hit->u, hit->v, &out->s, &out->t);
+    surfaces_point(s, out->surface, out->s, out->t, &at);
+    out->point = at.point;
+    out->side = vec3_dot(at.normal, direction) > 0 ? 1 : 0;
+    out->normal = out->side == 0 ? at.normal : vec3_scale(at.normal, -1);
+}
+
+static const Material *material_of(const Room *room, const RoomHit *hit)
+{
+    return &room->materials[surfaces_material(room->surfaces, hit->surface, hit->side)];
+}
+
+static double index_of(const Material *material)
+{
+    return material->ior > 0 ? material->ior : 1;
+}
+
+static bool bends(const Room *room, const RoomHit *hit, const Material *material)
+{
+    return index_of(material) != 1 &&
+           specular_is_skin(&room->surfaces->surface[hit->surface]);
+}
+
+static Vec3 mirrored(Vec3 in, Vec3 n) { return vec3_mad(in, -2 * vec3_dot(in, n), n); }
+
+/* The mirror direction of the smooth normal, unless that leads into the surface. */
+static Vec3 mirror_way(const PathSurface *surface)
+{
+    const Vec3 d = mirrored(surface->in, surface->normal);
+    return vec3_dot(d, surface->hit.normal) > 0 ? vec3_unit(d)
+                                                : vec3_unit(mirrored(d, surface->hit.normal));
+}
+
+static bool is_lobe(const Material *material)
+{
+    return rgb_max(material->specular) > 0 && isfinite(specular_exponent(material));
+}
+
+/* Reflected share of what arrives at glass; *eta: index of what lies beyond over that here, 1 for a
+ * pane. */
+static double glass_share(const PathSurface *surface, const Room *room, double *eta)
+{
+    const Material *m = surface->material;
+    const double    cosine = fmin(fmax(-vec3_dot(surface->in, surface->normal), 0), 1);
+    *eta = 1;
+    if (!bends(room, &surface->hit, m))
+        return specular_pane(cosine, index_of(m));
+    *eta = surface->hit.side == 1 ? 1 / index_of(m) : index_of(m);
+    return specular_fresnel(cosine, *eta);
+}
+
+void path_surface_init(PathSurface *surface, const Room *room, const float *smooth,
+                       const RoomHit *hit, Vec3 in, bool diffuse_only)
+{
+    const Material *m = material_of(room, hit);
+    double          eta;
+    *surface = (PathSurface){ .material = m, .hit = *hit, .normal = hit->normal, .in = in,
+                              .diffuse = rgb_max(m->reflectance) };
+    if (!diffuse_only && specular_exists(m)) {
+        surface->normal = normals_at(smooth, room, hit, in);
+        if (rgb_max(m->transmittance) > 0) {
+            const double back = glass_share(surface, room, &eta);
+            surface->clear = back + (1 - back) * rgb_max(m->transmittance);
+        } else {
+            surface->gloss = rgb_max(m->specular);
+        }
+    }
+    const double all = surface->diffuse + surface->gloss + surface->clear;
+    if (all > 0) {
+        surface->diffuse /= all;
+        surface->gloss /= all;
+        surface->clear /= all;
+    }
+}
+
+Rgb path_surface_value(const PathSurface *surface, Vec3 out, double *density)
+{
+    const Material *m = surface->material;
+    const double    cosine = vec3_dot(out, surface->hit.normal);
+    *density = 0;
+    if (!(cosine > 0))
+        return rgb(0, 0, 0);
+    Rgb value = rgb_scale(m->reflectance, cosine / M_PI);
+    *density = surface->diffuse * cosine / M_PI;
+    if (surface->gloss > 0 && is_lobe(m)) {
+        const double e = specular_exponent(m);
+        const double lobe = pow(fmax(vec3_dot(out, mirror_way(surface)), 0), e) / (2 * M_PI);
+        value = rgb_mad(value, (e + 2) * lobe * cosine, m->specular);
+        *density += surface->gloss * (e + 1) * lobe;
+    }
+    return value;
+}
+
+/* A direction of the cosine lobe of the exponent about the axis. */
+static Vec3 lobe_way(Vec3 axis, double exponent, const float u[2])
+{
+    const double z = pow(u[0], 1 / (exponent + 1)), r = sqrt(fmax(1 - z * z, 0));
+    const double angle = 2 * M_PI * u[1];
+    Vec3         s, t;
+    vec3_frame(axis, &s, &t);
+    return vec3_unit(vec3_mad(vec3_mad(vec3_scale(axis, z), r * cos(angle), s), r * sin(angle),
+                              t));
+}
+
+/* Glass: choice in [0,1) decides between its two ways. Radiance is not scaled by the square of the
+ * index on its way in, nor back on its way out: for an eye and lamps outside it is the same. */
+static bool glass_next(const PathSurface *surface, const Room *room, double choice, PathNext *next)
+{
+    const Material *m = surface->material;
+    double          eta;
+    const double    back = glass_share(surface, room, &eta);
+    const double    through = (1 - back) * rgb_max(m->transmittance);
+    const double    chance = back / (back + through);
+    if (choice < chance) {
+        const double w = back / (chance * surface->clear);
+        *next = (PathNext){ .out = mirror_way(surface), .weight = rgb(w, w, w) };
+        return true;
+    }
+    *next = (PathNext){ .out = surface->in, .across = true, .straight = true };
+    next->weight = rgb_scale(m->transmittance, (1 - back) / ((1 - chance) * surface->clear));
+    if (bends(room, &surface->hit, m)) {
+        const double cosine = fmin(fmax(-vec3_dot(surface->in, surface->normal), 0), 1);
+        const double square = 1 - (1 - cosine * cosine) / (eta * eta);
+        Vec3 d = vec3_mad(vec3_scale(surface->in, 1 / eta),
+                          cosine / eta - sqrt(fmax(square, 0)), surface->normal);
+        if (vec3_dot(d, surface->hit.normal) > 0) /* the smooth normal bent it back out */
+            d = mirrored(d, surface->hit.normal);
+        next->out = vec3_unit(d);
+        next->straight = false;
+    }
+    return rgb_max(next->weight) > 0;
+}
+
+bool path_surface_next(const PathSurface *surface, const Room *room, const float u[3],
+                       PathNext *next)
+{
+    const Material *m = surface->material;
+    const double    specular = surface->diffuse + surface->gloss;
+    if (!(specular + surface->clear > 0))
+        return false;
+    if (u[2] >= specular && surface->clear > 0)
+        return glass_next(surface, room, fmin((u[2] - specular) / surface->clear, 1), next);
+    *next = (PathNext){ .out = mirror_way(surface) };
+    if (u[2] < surface->diffuse || !(surface->gloss > 0)) {
+        const Vec3 w = sampling_cosine(u[0], u[1]);
+        Vec3       s, t;
+        vec3_frame(surface->hit.normal, &s, &t);
+        next->out = vec3_unit(vec3_mad(vec3_mad(vec3_scale(s, w.x), w.y, t), w.z,
+                                       surface->hit.normal));
+    } else if (!is_lobe(m)) {
+        next->weight = rgb_scale(m->specular, 1 / surface->gloss);
+        return true;
+    } else {
+        next->out = lobe_way(next->out, specular_exponent(m), u);
+    }
+    const Rgb value = path_surface_value(surface, next->out, &next->density);
+    if (!(next->density > 0))
+        return false;
+    next->weight = rgb_scale(value, 1 / next->density);
+    return rgb_max(next->weight) > 0;
+}
+
+Rgb path_surface_pane(const Room *room, const RoomHit *hit, Vec3 in)
+{
+    const Material *m = material_of(room, hit);
+    if (!(rgb_max(m->transmittance) > 0) || bends(room, hit, m))
+        return rgb(0, 0, 0);
+    const double cosine = fmin(fabs(vec3_dot(in, hit->normal)), 1);
+    return rgb_scale(m->transmittance, 1 - specular_pane(cosine, index_of(m)));
+}
