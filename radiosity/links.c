@@ -18,8 +18,8 @@ static void cast_chunk(void *context, uint32_t begin, uint32_t end, unsigned wor
 {
     RowMaker *maker = context;
     uint32_t row[MAKER_CHUNK];
-    if (row_maker_has(maker, begin))
-        return;
+    if (row_maker_has(maker, begin) || error_is_set(&maker->buffer[worker].error))
+        return; /* no place to keep more rows */
     for (uint32_t i = begin; i < end; i++)
         row[i - begin] = i;
     row_maker_cast(maker, row, end - begin, worker);

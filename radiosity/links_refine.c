@@ -35,7 +35,7 @@ static void cast_parts(void *context, uint32_t begin, uint32_t end, unsigned wor
 {
     Refining *r = context;
     uint32_t row[MAKER_CHUNK], rows = 0;
-    if (row_maker_has(&r->maker, begin))
+    if (row_maker_has(&r->maker, begin) || error_is_set(&r->maker.buffer[worker].error))
         return;
     for (uint32_t i = begin; i < end; i++)
         if (is_divided(r, r->parent[i]))
