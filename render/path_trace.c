@@ -20,7 +20,7 @@ enum { PANES_MOST = 256 };
 typedef struct {
     Ray       ray;
     Rgb       throughput;
-    Rgb       share;    /* share of it that the first place seen sends back diffusely */
+    Rgb       seen;     /* share of it that mirrors, glass and gloss alone brought to the eye */
     Rgb       share;    /* share of it that the first place seen sends back diffusely */
     uint32_t  pixel, seed, index;
     uint32_t  bounces, turns; /* of them, those that are not straight through a pane */
