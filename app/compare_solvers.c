@@ -29,6 +29,8 @@ static const Way ways[] = {
                                   .overshoot = true } },
     { "cg", { .solver = SOLVER_CONJUGATE_GRADIENTS } },
     { "gmres", { .solver = SOLVER_GMRES } },
+    { "two-level", { .solver = SOLVER_TWO_LEVEL } },
+    { "hierarchical", { .solver = SOLVER_HIERARCHICAL } },
 };
 enum { WAYS = sizeof ways / sizeof *ways };
 
@@ -97,6 +99,8 @@ static bool run_way(Run *run, const Way *way, Error *err)
     o.max_iterations = settings->max_iterations;
     o.threads = settings->threads;
     o.relaxation = p->session->options.relaxation;
+    o.centre = p->patches->centre;
+    o.normal = p->patches->normal;
     o.trace = take_step;
     o.trace_user = run;
     run->solution = solve(p->links, &p->problem, &o, &p->session->monitor, err);

@@ -15,7 +15,8 @@ _Static_assert(CLOSURE_NONE == 0 && CLOSURE_ROWS == 1 && CLOSURE_RECIPROCITY == 
                    CLOSURE_BOTH == 3, "words of --closure");
 _Static_assert(SOLVER_GAUSS_SEIDEL == 0 && SOLVER_JACOBI == 1 && SOLVER_PROGRESSIVE == 2 &&
                    SOLVER_SOR == 3 && SOLVER_CONJUGATE_GRADIENTS == 4 && SOLVER_GMRES == 5 &&
-                   SOLVER_HIERARCHICAL == 6 && SOLVER_COUNT == 7, "words of --solver");
+                   SOLVER_HIERARCHICAL == 6 && SOLVER_TWO_LEVEL == 7 &&
+                   SOLVER_COUNT == 8, "words of --solver");
 _Static_assert(EMIT_AUTO == 0 && EMIT_FRONT == 1 && EMIT_BACK == 2 && EMIT_BOTH == 3,
                "words of --emit");
 
@@ -81,7 +82,7 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       COMMAND_RENDER | COMMAND_SOLVE | COMMAND_MEASURE | COMMAND_FACTORS, KIND_TEXT,
       FIELD(factors), 0, 0, NULL, "read the factors as cast from there; write them if it is not" },
     { OPTION_SOLVER, "--solver", "NAME", SOLVING, KIND_CHOICE, FIELD(solver), 0, 0,
-      "gauss-seidel,jacobi,progressive,sor,cg,gmres,hierarchical,stochastic",
+      "gauss-seidel,jacobi,progressive,sor,cg,gmres,hierarchical,two-level,stochastic",
       "default gauss-seidel; for very many patches stochastic, without links" },
     { OPTION_TOLERANCE, "--tolerance", "X", SOLVING, KIND_NUMBER, FIELD(tolerance), 1e-14, 1, NULL,
       "stop when the missing power falls below this share" },

@@ -243,10 +243,9 @@ static bool mix(Pipeline *p, Error *err)
 static bool solve_again(Pipeline *p, const double *received, Error *err)
 {
     SolveOptions options = solve_options(p);
-    /* Few passes are all that counts; without reciprocity only one of the two may be trusted. */
+    /* Few passes are all that counts. */
     if (!options_given(&p->session->options, OPTION_SOLVER))
-        options.solver = SOLVER_GMRES;
-    options.single = true;
+        options.solver = SOLVER_TWO_LEVEL;
     Solution *after = relight(p->links, &p->problem, p->solution, received, &options,
                               &p->session->monitor, err);
     if (after == NULL)

@@ -170,7 +170,7 @@ static Solution *take_solution(Reader *r)
     *s = (Solution){ .count = head.count, .bands = head.bands, .iterations = head.iterations,
                      .residual = head.residual, .unshot = head.unshot,
                      .error_bound = head.error_bound, .converged = head.converged != 0,
-                     .seconds = head.seconds };
+                     .seconds = head.seconds, .drift = INFINITY };
     s->radiosity = take_array(r, values, sizeof *s->radiosity);
     s->irradiance = take_array(r, values, sizeof *s->irradiance);
     for (uint64_t k = 0; !error_is_set(r->err) && k < values; k++)

@@ -25,7 +25,7 @@ typedef struct {
     const SolveOptions *options;
     const Solution     *solution;       /* being made */
     double             *begin;          /* seconds of the clock at the start, traces left out */
-    double              contraction;    /* q of solve.h; NAN: not asked for */
+    Reflected          *reflected;      /* NULL: no bound was asked for */
     double             *start;          /* [count * bands]  the caller's, 0 in bands without
                                            power; NULL: none */
     double             *shown, *after;  /* [count * bands]  of a trace: an iterate, the next one */
@@ -46,6 +46,9 @@ void solve_gather_row(const SolveSystem *system, const double *radiosity, uint32
 
 /* max over bands of sum[b] / power[b]; a band without power has nothing to miss. */
 double solve_relative(const SolveSystem *system, const double *sum);
+
+/* A power as a share of what there is in the band with the least, dark ones apart. */
+double solve_share(const SolveSystem *system, double power);
 
 /* Tells when an iteration no longer gains: rounding sets a floor that no tolerance can undercut. */
 typedef struct {

@@ -40,6 +40,9 @@ Solution *relight(const Links *links, const SolveProblem *problem, const Solutio
     SolveOptions o = *options;
     o.start = before->radiosity;
     o.start_irradiance = h;
+    o.start_drift = before->drift;
+    o.reflected = before->reflected;
+    o.bound = options->bound || before->reflected != NULL;
     Solution *after = h != NULL ? solve(links, problem, &o, monitor, err) : NULL;
     array_free(h);
     return after;
@@ -120,6 +123,7 @@ static bool solve_batch(LightGroups *g, const Links *links, const double *reflec
     if (s != NULL) {
         g->iterations = s->iterations > g->iterations ? s->iterations : g->iterations;
         g->residual = fmax(g->residual, s->residual);
+        g->drift = fmax(g->drift, s->drift);
         g->converged = g->converged && s->converged;
         g->seconds += s->seconds;
     }
@@ -185,6 +189,16 @@ static void mix_chunk(void *context, uint32_t begin, uint32_t end, unsigned work
     mix_rows(m->groups, m->groups->irradiance, m->dimmer, begin, end, m->out->irradiance);
 }
 
+/* Each group's own error is within residual / (1 - q) of its own power, so their sum is, too. */
+static double mix_bound(const LightGroups *groups, const Solution *out)
+{
+    if (out->reflected == NULL)
+        return NAN;
+    if (!isfinite(groups->drift)) /* solved for by other links: see solve.h */
+        return INFINITY;
+    return out->reflected->most < 1 ? groups->residual / (1 - out->reflected->most) : INFINITY;
+}
+
 void light_groups_mix(const LightGroups *groups, const double *dimmer, unsigned threads,
                       Solution *out)
 {
@@ -197,7 +211,9 @@ void light_groups_mix(const LightGroups *groups, const double *dimmer, unsigned 
     clock_gettime(CLOCK_MONOTONIC, &end);
     out->iterations = groups->iterations;
     out->residual = out->unshot = groups->residual;
-    out->error_bound = NAN;
+    /* Dimmers scale what is known of each group's drift; few care, so it is not kept apart. */
+    out->drift = groups->drift > 0 ? INFINITY : 0;
+    out->error_bound = mix_bound(groups, out);
     out->converged = groups->converged;
     out->seconds = (double)(end.tv_sec - begin.tv_sec) +
                    1e-9 * (double)(end.tv_nsec - begin.tv_nsec);

@@ -14,8 +14,9 @@
 
 /* The solution of the new problem, from that of another with the same links and the irradiance
  * `received` from outside [count * bands], or NULL. options: as for solve; its `start` is not
- * looked at. GMRES takes the fewest passes, and with options->single the shortest: only the
- * difference is solved for, so single precision is enough for it.
+ * looked at. The two-level solver takes the fewest passes and the shortest. The bound on the error
+ * is found when `before` has what it needs (it was asked for there): only rows of what reflects
+ * otherwise are read for it.
  * owns, fails  as solve. */
 Solution *relight(const Links *links, const SolveProblem *problem, const Solution *before,
                   const double *received, const SolveOptions *options, const Monitor *monitor,
@@ -38,6 +39,7 @@ typedef struct {
     uint32_t  iterations;     /* of the slowest */
     double    residual;       /* the largest of a group, relative to the group's own power */
     bool      converged;      /* all did */
+    double    drift;          /* the largest: see Solution */
     double    seconds;
 } LightGroups;
 
@@ -52,7 +54,8 @@ LightGroups *light_groups_solve(const Links *links, unsigned bands, const double
 LightGroups *light_groups_destroy(LightGroups *groups);
 
 /* *out = the sum of all groups, each times its dimmer [groups * bands] >= 0. out is a solution of
- * that many patches and bands; its residual becomes the groups' own, of which it is a mean. */
+ * that many patches and bands; its residual becomes the groups' own, of which it is a mean; its
+ * bound follows where it has `reflected` of the same reflectance. */
 void light_groups_mix(const LightGroups *groups, const double *dimmer, unsigned threads,
                       Solution *out);
 

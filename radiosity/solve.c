@@ -10,6 +10,7 @@
 
 #include "base/array.h"
 #include "base/parallel.h"
+#include "radiosity/contraction.h"
 #include "radiosity/internal.h"
 #include "radiosity/solve_internal.h"
 
@@ -24,7 +25,7 @@ static const uint32_t STALL_ITERATIONS = 64;
 
 static const char *const SOLVER_NAMES[SOLVER_COUNT] = { "gauss-seidel", "jacobi", "progressive",
                                                         "sor", "cg", "gmres",
-                                                        "hierarchical" };
+                                                        "hierarchical", "two-level" };
 
 const char *solver_name(Solver solver)
 {
@@ -125,6 +126,15 @@ double solve_relative(const SolveSystem *system, const double *sum)
     return worst;
 }
 
+double solve_share(const SolveSystem *system, double power)
+{
+    double least = INFINITY;
+    for (unsigned b = 0; b < system->bands; b++)
+        if (system->power[b] > 0)
+            least = fmin(least, system->power[b]);
+    return isfinite(least) ? power / least : 0; /* in the dark nothing is missing */
+}
+
 double solve_apply(const SolveSystem *system, const double *radiosity, double *next,
                    double *irradiance)
 {
@@ -163,7 +173,8 @@ static double error_bound(const SolveSystem *system, double residual)
         return 0;
     if (system->options->solver == SOLVER_HIERARCHICAL)
         return INFINITY; /* of the links as they are, which it does not solve */
-    return system->contraction < 1 ? residual / (1 - system->contraction) : INFINITY;
+    const double q = system->reflected->most;
+    return q < 1 ? residual / (1 - q) : INFINITY;
 }
 
 /* What solvers know of their residual while they run is an estimate for some, so it is measured
@@ -220,28 +231,6 @@ static bool check_problem(const Links *links, const SolveProblem *problem, Error
     return true;
 }
 
-/* q of solve.h: the largest column sum of rho F in the norm in which power adds up. */
-static double find_contraction(const SolveSystem *system, double *sum)
-{
-    const Links *links = system->links;
-    const unsigned bands = system->bands;
-    double q = 0;
-    for (uint32_t i = 0; i < links->count; i++) {
-        const double *rho = &system->problem->reflectance[(size_t)i * bands];
-        const LinksRow row = links_row(links, i, &system->scratch[0]);
-        for (uint64_t k = 0; k < row.count; k++)
-            for (unsigned b = 0; b < bands; b++)
-                sum[(size_t)row.source[k] * bands + b] +=
-                    links->area[i] * row.form_factor[k] * rho[b];
-        links_pass(links, i);
-    }
-    /* A patch without visible area has no row: its own value is exact from the start. */
-    for (size_t k = 0; k < (size_t)links->count * bands; k++)
-        if (links->area[k / bands] > 0)
-            q = fmax(q, sum[k] / links->area[k / bands]);
-    return q;
-}
-
 /* A band without power has no residual that would tell: what it starts with must be right. */
 static bool set_start(SolveSystem *system, Error *err)
 {
@@ -255,22 +244,19 @@ static bool set_start(SolveSystem *system, Error *err)
     return system->start != NULL;
 }
 
-static bool set_contraction(SolveSystem *system, Error *err)
+static bool set_bound(SolveSystem *system, Error *err)
 {
     const size_t values = (size_t)system->links->count * system->bands;
-    system->contraction = NAN;
-    if (system->options->trace == NULL && !system->options->bound)
-        return true;
-    if (system->options->trace != NULL) {
+    const SolveOptions *o = system->options;
+    if (o->trace != NULL) {
         system->shown = array_create(values, sizeof *system->shown, "a trace", err);
         system->after = array_create(values, sizeof *system->after, "a trace", err);
     }
-    double *sum = array_create(values, sizeof *sum, "a bound on the error", err);
-    if (sum == NULL)
-        return false;
-    system->contraction = find_contraction(system, sum);
-    array_free(sum);
-    return true;
+    if ((o->trace != NULL || o->bound) && !error_is_set(err))
+        system->reflected = reflected_create(system->links, system->bands,
+                                             system->problem->reflectance, o->reflected,
+                                             system->threads, err);
+    return !error_is_set(err);
 }
 
 void solve_start(const SolveSystem *system, const double *otherwise, double *radiosity)
@@ -290,6 +276,7 @@ static void system_clear(SolveSystem *system)
     array_free(system->start);
     array_free(system->shown);
     array_free(system->after);
+    reflected_destroy(system->reflected);
 }
 
 static bool system_init(SolveSystem *system, const Links *links, const SolveProblem *problem,
@@ -339,6 +326,7 @@ Solution *solution_destroy(Solution *solution)
         return NULL;
     array_free(solution->radiosity);
     array_free(solution->irradiance);
+    reflected_destroy(solution->reflected);
     return array_free(solution);
 }
 
@@ -359,7 +347,10 @@ static bool run(const SolveSystem *system, const SolveOptions *options, Solution
     case SOLVER_GMRES:
         return solve_gmres(system, solution, err);
     case SOLVER_HIERARCHICAL:
+        solution->drift = INFINITY;
         return solve_hierarchical(system, solution, err);
+    case SOLVER_TWO_LEVEL:
+        return solve_two_level(system, solution, err);
     case SOLVER_COUNT:
         break;
     }
@@ -367,24 +358,62 @@ static bool run(const SolveSystem *system, const SolveOptions *options, Solution
     return false;
 }
 
-/* Steps along directions may end a rounding below what a patch sends out by itself: true when
- * something had to be lifted. */
-static bool keep_emission(const SolveSystem *system, Solution *solution)
+/* Steps along directions may end a little below what a patch sends out by itself. Returns the power
+ * by which patches had to be lifted, of the band with the most. */
+static double keep_emission(const SolveSystem *system, Solution *solution)
 {
-    bool lifted = false;
-    for (size_t k = 0; k < (size_t)solution->count * solution->bands; k++)
+    const unsigned bands = solution->bands;
+    double *lifted = system->chunk_sum, most = 0;
+    memset(lifted, 0, bands * sizeof *lifted);
+    for (size_t k = 0; k < (size_t)solution->count * bands; k++)
         if (solution->radiosity[k] < system->problem->emission[k]) {
+            const double missing = system->problem->emission[k] - solution->radiosity[k];
+            lifted[k % bands] += system->links->area[k / bands] * missing;
             solution->radiosity[k] = system->problem->emission[k];
-            lifted = true;
         }
-    return lifted;
+    for (unsigned b = 0; b < bands; b++)
+        most = fmax(most, lifted[b]);
+    return most;
 }
 
 /* Leaves residual and irradiance of the radiosity it ends with. */
 static bool measures_itself(Solver solver)
 {
     return solver == SOLVER_CONJUGATE_GRADIENTS || solver == SOLVER_GMRES ||
-           solver == SOLVER_HIERARCHICAL;
+           solver == SOLVER_HIERARCHICAL || solver == SOLVER_TWO_LEVEL;
+}
+
+/* What patches were lifted by misses from their radiosity and, sent out, from all irradiance.
+ * Whether that stays within the tolerance. */
+static bool take_lift(const SolveSystem *system, double lifted, Solution *solution)
+{
+    if (system->reflected == NULL || system->options->solver != SOLVER_TWO_LEVEL)
+        return false;
+    const double arriving = system->reflected->plain * lifted;
+    const double residual = solution->residual + solve_share(system, lifted + arriving);
+    if (!(residual <= system->tolerance))
+        return false;
+    solution->residual = residual;
+    solution->drift += arriving;
+    return true;
+}
+
+/* The same measure for all, taken from the result itself. */
+static void measure(SolveSystem *system, Solution *solution)
+{
+    const double lifted = keep_emission(system, solution);
+    if (!measures_itself(system->options->solver) ||
+        (lifted > 0 && !take_lift(system, lifted, solution))) {
+        /* source is not needed any more */
+        solution->residual = solve_apply(system, solution->radiosity, system->source,
+                                         solution->irradiance);
+        solution->drift = 0;
+    }
+    solution->converged = solution->residual <= system->tolerance;
+    solution->error_bound = system->reflected != NULL
+                                ? error_bound(system, solution->residual) : NAN;
+    solution->reflected = system->reflected;
+    system->reflected = NULL;
 }
 
 Solution *solve(const Links *links, const SolveProblem *problem, const SolveOptions *options,
@@ -398,20 +427,13 @@ Solution *solve(const Links *links, const SolveProblem *problem, const SolveOpti
     SolveSystem system;
     Solution *solution = NULL;
     if (system_init(&system, links, problem, options, monitor, err) &&
-        set_start(&system, err) && set_contraction(&system, err))
+        set_start(&system, err) && set_bound(&system, err))
         system.solution = solution = solution_create(links->count, problem->bands, err);
     system.begin = &begin;
-    if (solution != NULL && run(&system, options, solution, err)) {
-        /* The same measure for all, taken from the result itself; source is not needed any more. */
-        if (keep_emission(&system, solution) || !measures_itself(options->solver))
-            solution->residual =
-                solve_apply(&system, solution->radiosity, system.source, solution->irradiance);
-        solution->converged = solution->residual <= system.tolerance;
-        solution->error_bound = isnan(system.contraction)
-                                    ? NAN : error_bound(&system, solution->residual);
-    } else {
+    if (solution != NULL && run(&system, options, solution, err))
+        measure(&system, solution);
+    else
         solution = solution_destroy(solution);
-    }
     system_clear(&system);
     if (solution != NULL)
         solution->seconds = clock_seconds() - begin;

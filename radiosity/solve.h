@@ -26,8 +26,18 @@ typedef enum {
     SOLVER_CONJUGATE_GRADIENTS,
     SOLVER_GMRES,
     SOLVER_HIERARCHICAL,
+    SOLVER_TWO_LEVEL,
     SOLVER_COUNT
 } Solver;
+
+/* What the bound on the error is made of; see above. */
+typedef struct {
+    size_t  values;        /* patches * bands */
+    double *column;        /* [values]  sum_i A_i rho_i F_ij */
+    double *reflectance;   /* [values]  rho */
+    double  most;          /* q */
+    double  plain;         /* the same for rho = 1 */
+} Reflected;
 
 typedef struct {
     unsigned      bands;
@@ -58,11 +68,12 @@ typedef struct {
                                   a trace it is found anyway */
     const double *start;       /* [count * bands]  a radiosity near the solution; NULL: emission */
     const double *start_irradiance; /* [count * bands]  H0 + F start, where it is known: saves
-                                       GMRES a pass */
-    bool     single;           /* GMRES, up to 4 bands: products in single precision, for a start
-                                  that is near; its residuals stay in double */
-    const Vec3   *centre, *normal; /* [count]  of patches; for the hierarchical solver alone, which
-                                      needs them */
+                                       GMRES and the two-level solver a pass */
+    double   start_drift;      /* power, of one band at most, that it may be wrong by */
+    const Reflected *reflected; /* of the same links with another reflectance: saves most of what
+                                   the bound costs; NULL: none */
+    const Vec3   *centre, *normal; /* [count]  of patches; the hierarchical solver needs them, the
+                                      two-level solver is faster with them */
     unsigned threads;
     /* called after every step, from the caller's thread; NULL: not. What it takes to know the
      * residual of each step is not counted in `seconds`. */
@@ -79,6 +90,9 @@ typedef struct {
     double   residual;     /* reached */
     double   unshot;       /* power not yet distributed / (emitted + received power), 0..1 */
     double   error_bound;  /* of the relative error in power; NAN: not asked for */
+    double   drift;        /* power, of one band at most, that irradiance differs by from
+                              H0 + F B; counted in the residual. INFINITY: not known */
+    Reflected *reflected;  /* where the bound was asked for; else NULL */
     bool     converged;
     double   seconds;
 } Solution;
@@ -96,8 +110,8 @@ Solution *solve(const Links *links, const SolveProblem *problem, const SolveOpti
 /* Frees; NULL is allowed. Always returns NULL. */
 Solution *solution_destroy(Solution *solution);
 
-/* "gauss-seidel", "jacobi", "progressive", "sor", "cg", "gmres",
- * "hierarchical". */
+/* "gauss-seidel", "jacobi", "progressive", "sor", "cg", "gmres", "hierarchical",
+ * "two-level". */
 const char *solver_name(Solver solver);
 /* The other way; false when there is no solver of that name. */
 bool solver_from_name(const char *name, Solver *solver);

@@ -9,6 +9,8 @@
 /* Each leaves radiosity, iterations and unshot in *solution. */
 bool solve_conjugate_gradients(const SolveSystem *system, Solution *solution, Error *err);
 bool solve_gmres(const SolveSystem *system, Solution *solution, Error *err);
+/* Corrections from a small system of patches taken together. Leaves drift as well. */
+bool solve_two_level(const SolveSystem *system, Solution *solution, Error *err);
 /* Light between nodes of a tree over the patches, along links that are refined where they carry
  * much. Leaves the irradiance and its own residual as well: patches get what nodes they are part of
  * see in the mean, so it solves no system that the links as they are would give. */

@@ -92,51 +92,13 @@ static void add_scaled(const SolveSystem *system, const double *factor, const do
     over_rows(&(Vectors){ .system = system, .factor = factor, .u = u, .out = v }, add_chunk);
 }
 
-/* Up to four bands of a patch, side by side. */
-typedef float Four __attribute__((vector_size(16)));
-enum { FOUR = 4 };
-
 typedef struct {
     const SolveSystem *system;   /* with nothing from outside */
     const double      *before, *after; /* [values]  factors on either side of F; before NULL: 1 */
     const double      *in;       /* [values] */
     double            *scaled;   /* [values]  before * in */
     double            *out;      /* [values]  in - after F before in */
-    Four              *single;   /* [count]  the same as scaled; NULL: in double */
 } Product;
-
-/* A row times what patches have; four sums, so that none waits for the one before. */
-static Four gather_single(const LinksRow *row, const Four *from)
-{
-    Four sum[4] = { { 0 } };
-    uint64_t k = 0;
-    for (; k + 4 <= row->count; k += 4)
-        for (int s = 0; s < 4; s++)
-            sum[s] += row->form_factor[k + (uint64_t)s] * from[row->source[k + (uint64_t)s]];
-    for (; k < row->count; k++)
-        sum[0] += row->form_factor[k] * from[row->source[k]];
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
-
-static void gather_row(const Product *p, uint32_t i, unsigned worker, double *out)
-{
-    if (p->single == NULL) {
-        solve_gather_row(p->system, p->scaled, i, worker, out);
-        return;
-    }
-    const LinksRow row = links_row(p->system->links, i, &p->system->scratch[worker]);
-    const Four sum = gather_single(&row, p->single);
-    for (unsigned b = 0; b < p->system->bands; b++)
-        out[b] = (double)sum[b];
-}
-
-static void narrow(const Product *p)
-{
-    const unsigned bands = p->system->bands;
-    for (uint32_t i = 0; i < p->system->links->count; i++)
-        for (unsigned b = 0; b < bands; b++)
-            p->single[i][b] = (float)p->scaled[(size_t)i * bands + b];
-}
 
 static void product_rows(void *context, uint32_t begin, uint32_t end, unsigned worker)
 {
@@ -144,7 +106,7 @@ static void product_rows(void *context, uint32_t begin, uint32_t end, unsigned w
     const unsigned bands = p->system->bands;
     for (uint32_t i = begin; i < end; i++) {
         double *out = &p->out[(size_t)i * bands];
-        gather_row(p, i, worker, out);
+        solve_gather_row(p->system, p->scaled, i, worker, out);
         for (unsigned b = 0; b < bands; b++) {
             const size_t at = (size_t)i * bands + b;
             out[b] = p->in[at] - p->after[at] * out[b];
@@ -162,8 +124,6 @@ static void product(Product *p, const double *in, double *out)
     p->in = in;
     p->out = out;
     p->scaled = p->before != NULL ? scaled : (double *)in;
-    if (p->single != NULL)
-        narrow(p);
     parallel_for(p->system->links->count, ROW_CHUNK, p->system->threads, product_rows, p, NULL,
                  NULL);
     p->scaled = scaled;
@@ -323,7 +283,6 @@ typedef struct {
     double      *cosine, *sine;  /* [bands][kept]  rotations */
     double      *g;              /* [bands][kept + 1]  right side, rotated */
     double      *scalar;         /* [2 * bands] */
-    Four        *single;         /* [count]  NULL: products in double */
     double       whole;          /* sum of areas */
 } Gmres;
 
@@ -341,8 +300,6 @@ static bool gmres_create(Gmres *m, const SolveSystem *system, Error *err)
     m->sine = array_create(bands * GMRES_KEPT, sizeof *m->sine, what, err);
     m->g = array_create(bands * (GMRES_KEPT + 1), sizeof *m->g, what, err);
     m->scalar = array_create(2 * bands, sizeof *m->scalar, what, err);
-    if (system->options->single && bands <= FOUR)
-        m->single = array_create(system->links->count, sizeof *m->single, what, err);
     for (uint32_t i = 0; i < system->links->count; i++)
         m->whole += system->links->area[i];
     return !error_is_set(err);
@@ -357,7 +314,6 @@ static void gmres_clear(Gmres *m)
     array_free(m->sine);
     array_free(m->g);
     array_free(m->scalar);
-    array_free(m->single);
 }
 
 static double *gmres_h(const Gmres *m, unsigned band, int row, int column)
@@ -516,7 +472,7 @@ static double gmres_first(Gmres *m, const SolveSystem *system, Solution *solutio
     const size_t values = (size_t)solution->count * solution->bands;
     const double *h = system->options->start_irradiance;
     double *sum = m->scalar;
-    if (h == NULL || system->start == NULL)
+    if (h == NULL || system->start == NULL || system->options->start_drift > 0)
         return gmres_residual(m, system, solution);
     memset(sum, 0, solution->bands * sizeof *sum);
     for (size_t k = 0; k < values; k++) {
@@ -535,8 +491,7 @@ bool solve_gmres(const SolveSystem *system, Solution *solution, Error *err)
     Gmres m;
     const bool made = gmres_create(&m, system, err);
     if (made) {
-        Product k = { .system = &m.inner, .after = system->problem->reflectance,
-                      .single = m.single };
+        Product k = { .system = &m.inner, .after = system->problem->reflectance };
         solve_start(system, system->source, solution->radiosity);
         double before = INFINITY, left = gmres_first(&m, system, solution);
         bool stop = false;

@@ -49,7 +49,8 @@ static void hand_made(HandMade *h, uint32_t n, const double *factors, const doub
 }
 
 static const Solver SOLVERS[] = { SOLVER_GAUSS_SEIDEL, SOLVER_JACOBI, SOLVER_PROGRESSIVE,
-                                  SOLVER_SOR, SOLVER_CONJUGATE_GRADIENTS, SOLVER_GMRES };
+                                  SOLVER_SOR, SOLVER_CONJUGATE_GRADIENTS, SOLVER_GMRES,
+                                  SOLVER_TWO_LEVEL };
 enum { SOLVER_TOTAL = sizeof SOLVERS / sizeof *SOLVERS };
 
 static Solution *solved(const Links *links, const SolveProblem *problem, Solver solver,

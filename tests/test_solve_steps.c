@@ -121,6 +121,7 @@ static const SolveOptions WAYS[] = {
     { .solver = SOLVER_PROGRESSIVE, .overshoot = true },
     { .solver = SOLVER_CONJUGATE_GRADIENTS },
     { .solver = SOLVER_GMRES },
+    { .solver = SOLVER_TWO_LEVEL },
 };
 enum { WAYS_COUNT = sizeof WAYS / sizeof *WAYS };
 

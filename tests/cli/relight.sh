@@ -33,7 +33,7 @@ ok "light groups" exits 0 solve "$cube" "${some[@]}" -o "$DIR/a.ply" --json "$DI
     --light-groups --set ceiling.emission='*0.2,0.1,0.4'
 ok "mixed" grep -q '"way": "mixed"' "$DIR/a.json"
 ok "as the dim scene" near "$DIR/dim.ply" "$DIR/a.ply"
-for solver in gmres cg gauss-seidel progressive; do
+for solver in two-level gmres cg gauss-seidel progressive; do
     ok "a floor painted, $solver" exits 0 solve "$cube" "${some[@]}" -o "$DIR/a.ply" \
         --solver "$solver" --set floor.reflectance=0.1,0.8,0.2
     ok "as the painted scene, $solver" near "$DIR/paint.ply" "$DIR/a.ply"

@@ -13,14 +13,14 @@ ok "heading" test "$(head -n 1 "$DIR/s.csv")" = \
 ways() {
     sed '1d; s/,[0-9].*//' "$1" | sort -u | wc -l
 }
-ok "eight ways" test "$(ways "$DIR/s.csv")" = 8
+ok "ten ways" test "$(ways "$DIR/s.csv")" = 10
 # Error at most the bound, at every step of every solver; rounding aside.
 bounded() {
     sed 's/"progressive, /"progressive /' "$1" |
         awk -F, 'NR > 1 && $9 > $8 + 1e-13 { bad = 1 } END { exit bad || NR < 50 }'
 }
 ok "errors are within their bounds" bounded "$DIR/s.csv"
-ok "all converged" test "$(grep -c '"converged": true' "$DIR/s.json")" = 8
+ok "all converged" test "$(grep -c '"converged": true' "$DIR/s.json")" = 10
 ok "a plot" grep -q '</svg>' "$DIR/s.svg"
 ok "with labelled axes" test "$(grep -c 'passes over all links\|>seconds<' "$DIR/s.svg")" = 4
 ok "another ending is refused" fails 2 'FILE.csv and FILE.svg' solve "$cube" "${fast[@]}" \
@@ -29,7 +29,7 @@ ok "too few steps are told" exits 4 solve "$cube" "${fast[@]}" --compare -o "$DI
     --max-iterations 2
 
 for options in "sor --relaxation 1.2" "progressive --overshoot" "progressive --no-ambient" cg \
-    gmres; do
+    gmres two-level; do
     # shellcheck disable=SC2086
     ok "$options" exits 0 solve "$cube" "${fast[@]}" --solver $options --json "$DIR/one.json"
 done

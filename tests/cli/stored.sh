@@ -43,7 +43,7 @@ ok "16 bits" exits 0 solve "$scene" "${kept[@]}" --storage 16 --json "$DIR/s.jso
 ok "half the bytes" test "$(value "$DIR/s.json" bytes | cut -d . -f 1)" -lt 1000000000
 ok "rounded by less than 2^-11" awk -v r="$(value "$DIR/s.json" rounding)" \
     'BEGIN { exit !(r > 0 && r <= 2^-11) }'
-for solver in gauss-seidel jacobi progressive cg gmres; do
+for solver in gauss-seidel jacobi progressive cg gmres two-level; do
     ok "$solver on 32 bits" exits 0 solve "$scene" "${kept[@]}" --solver $solver \
         --json "$DIR/w.json"
     ok "$solver on 16 bits" exits 0 solve "$scene" "${kept[@]}" --solver $solver --storage 16 \
