@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "app/commands.h"
+#include "app/film.h"
 #include "app/output.h"
 #include "app/pipeline_path.h"
 #include "app/saving.h"
@@ -12,7 +13,7 @@
 #include "base/array.h"
 
 typedef struct {
-    char exr[4096], png[4096];
+    char exr[4096], png[4096], values[4096]; /* the last: in false colours; "": none */
 } Names;
 
 /* room.exr and room.png, whichever of the two -o names; without -o named after the scene, here. */
@@ -26,7 +27,10 @@ static bool picture_names(const Options *options, Names *names, Error *err)
     return output_name(path, ".exr", names->exr, sizeof names->exr, err) &&
            output_name(path, ".png", names->png, sizeof names->png, err) &&
            output_probe(names->exr, options, err) &&
-           output_probe(names->png, options, err);
+           output_probe(names->png, options, err) &&
+           (options->false_colour == FILM_NONE ||
+            (film_name(path, (FilmQuantity)options->false_colour, names->values,
+                       sizeof names->values, err) && output_probe(names->values, options, err)));
 }
 
 /* Bytes of all layers, and as much again while they are packed for the file. */
@@ -55,12 +59,15 @@ static Image *gather(Pipeline *pipeline, Error *err)
 {
     Session *session = pipeline->session;
     const double begin = progress_now();
+    const double *crop = session->options.crop;
     Gatherer *gatherer = gatherer_create(&pipeline->room, pipeline->solution, pipeline->links,
                                          err);
     hurry_picture(pipeline);
     const RenderOptions ro = { .width = pipeline->width, .height = pipeline->height,
                                .samples = session->settings.spp,
                                .gather_rays = session->settings.gather_rays,
+                               .filter = (PixelFilter)session->options.pixel_filter,
+                               .crop = { (int)crop[0], (int)crop[1], (int)crop[2], (int)crop[3] },
                                .diffuse_only = session->options.diffuse,
                                .background = pipeline->scene->background,
                                .seed = session->settings.seed,
@@ -121,8 +128,12 @@ static bool write_picture(Pipeline *pipeline, const Image *image, const Names *n
         .command = command,
         .scene_hash = pipeline->scene->hash,
     };
-    const bool written = image_write_exr(image, &info, names->exr, err) &&
-                         image_write_png(image, &tone, &info, names->png, err);
+    const bool written =
+        image_write_exr(image, &info, names->exr, err) &&
+        image_write_png(image, &tone, &info, names->png, err) &&
+        (names->values[0] == '\0' ||
+         film_false_colour(pipeline->session, image, (FilmQuantity)options->false_colour, &info,
+                           names->values, err));
     pipeline_note(pipeline, STAGE_WRITE, begin);
     return written;
 }
@@ -130,7 +141,7 @@ static bool write_picture(Pipeline *pipeline, const Image *image, const Names *n
 bool cmd_render(Pipeline *pipeline, int *exit_code, Error *err)
 {
     Session *session = pipeline->session;
-    Names names;
+    Names names = { .values = "" };
     assert(session->options.scene != NULL);
     const bool solved = session->options.renderer == RENDERER_GATHER;
     if (!solved && !pipeline_path_allowed(&session->options, err))
@@ -160,7 +171,8 @@ bool cmd_render(Pipeline *pipeline, int *exit_code, Error *err)
     image_destroy(image);
     if (!written)
         return false;
-    session_say(session, "isolux: %s -> %s, %s", session->options.scene, names.exr, names.png);
+    session_say(session, "isolux: %s -> %s, %s%s%s", session->options.scene, names.exr, names.png,
+                names.values[0] != '\0' ? ", " : "", names.values);
     summary_print(pipeline);
     return true;
 }

@@ -18,7 +18,9 @@ static const CommandHelp command_help[] = {
       "  isolux render room.glb -o room.exr        room.exr and room.png\n"
       "  isolux render room.msd --quality draft    a first look; room.exr here\n"
       "  isolux render room.obj --eye 1,1.6,4 --target 0,1,0 --size 1280x720\n"
-      "  isolux render attic.obj --light ceiling   a scene that has no lamp\n",
+      "  isolux render attic.obj --light ceiling   a scene that has no lamp\n"
+      "  isolux render room.msd --false-colour illuminance --isolines\n"
+      "  isolux render room.msd --projection panorama --size 1024x512\n",
       "The EXR holds radiance (cd/m2 or W/m2/sr) as R G B and layers: direct, indirect,\n"
       "albedo, irradiance, normal, depth, patch. The PNG beside it is exposed for the eye.\n" },
     { COMMAND_SOLVE, "SCENE [-o FILE.ply]", "solve; the mesh with its light as PLY",
@@ -61,6 +63,12 @@ static const CommandHelp command_help[] = {
       "Errors are root mean squares of the difference in luminance, relative to the reference's\n"
       "mean. Left out: lamps and two pixels around them, and black background. smooth: without\n"
       "silhouettes; block: smooth pixels in means of 8 x 8, so without pixel noise.\n" },
+    { COMMAND_DEVELOP, "PICTURE.exr [-o FILE.png]", "a PNG of a picture's light, shown otherwise",
+      "  isolux develop room.exr --exposure 1 --tone filmic -o room.png\n"
+      "  isolux develop room.exr --false-colour illuminance --isolines\n"
+      "  isolux develop room.exr --false-colour luminance --log --range 1,10000\n",
+      "Without -o: room.png, or room.illuminance.png for false colours, beside the picture.\n"
+      "Values are labelled lx and cd/m2, with --units radiometric W/m2 and W/m2/sr.\n" },
 };
 enum { HELP_COUNT = sizeof command_help / sizeof *command_help };
 

@@ -29,6 +29,8 @@ static CommandRun command_run(Command command)
         return cmd_bench;
     case COMMAND_COMPARE:
         return cmd_compare;
+    case COMMAND_DEVELOP:
+        return cmd_develop;
     case COMMAND_NONE:
         break;
     }

@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The one table of options, and how a command line is read by it. */
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/film.h"
 #include "app/options.h"
 #include "radiosity/links.h"
 #include "radiosity/sides.h"
 #include "radiosity/solve.h"
 #include "render/image.h"
+#include "scenes/scene.h"
 
 /* The words of these options stand in the order of the library's enumerations. */
 _Static_assert(CLOSURE_NONE == 0 && CLOSURE_ROWS == 1 && CLOSURE_RECIPROCITY == 2 &&
@@ -20,13 +23,20 @@ _Static_assert(SOLVER_GAUSS_SEIDEL == 0 && SOLVER_JACOBI == 1 && SOLVER_PROGRESS
 _Static_assert(EMIT_AUTO == 0 && EMIT_FRONT == 1 && EMIT_BACK == 2 && EMIT_BOTH == 3,
                "words of --emit");
 
+_Static_assert(CAMERA_PERSPECTIVE == 0 && CAMERA_ORTHOGRAPHIC == 1 && CAMERA_FISHEYE == 2 &&
+                   CAMERA_PANORAMA == 3, "words of --projection");
+_Static_assert(FILTER_BOX == 0 && FILTER_TENT == 1 && FILTER_GAUSS == 2 &&
+                   FILTER_BLACKMAN_HARRIS == 3, "words of --pixel-filter");
+_Static_assert(FILM_NONE == 0 && FILM_LUMINANCE == 1 && FILM_ILLUMINANCE == 2,
+               "words of --false-colour");
 _Static_assert(TONE_SHOULDER == 0 && TONE_LINEAR == 1 && TONE_REINHARD == 2 && TONE_FILMIC == 3,
                "words of --tone");
 
 #define FIELD(name) offsetof(Options, name)
 #define BIG 1e30
 #define ALL_BITS (COMMAND_RENDER | COMMAND_SOLVE | COMMAND_FACTORS | COMMAND_MEASURE | \
-                  COMMAND_CHECK | COMMAND_VALIDATE | COMMAND_BENCH | COMMAND_COMPARE)
+                  COMMAND_CHECK | COMMAND_VALIDATE | COMMAND_BENCH | COMMAND_COMPARE | \
+                  COMMAND_DEVELOP)
 /* Commands that solve, those that build patches and links, those that read a scene. */
 #define SOLVING (COMMAND_RENDER | COMMAND_SOLVE | COMMAND_MEASURE | COMMAND_BENCH)
 #define LINKING (SOLVING | COMMAND_FACTORS)
@@ -35,7 +45,8 @@ _Static_assert(TONE_SHOULDER == 0 && TONE_LINEAR == 1 && TONE_REINHARD == 2 && T
 
 static const OptionRow option_rows[OPTION_COUNT] = {
     { OPTION_OUTPUT, "-o", "FILE",
-      COMMAND_RENDER | COMMAND_SOLVE | COMMAND_FACTORS | COMMAND_MEASURE | COMMAND_CHECK, KIND_TEXT,
+      COMMAND_RENDER | COMMAND_SOLVE | COMMAND_FACTORS | COMMAND_MEASURE | COMMAND_CHECK |
+          COMMAND_COMPARE | COMMAND_DEVELOP, KIND_TEXT,
       FIELD(output), 0, 0, NULL, "result file; - is standard output (not for pictures)" },
     { OPTION_JSON, "--json", "FILE", ALL_BITS, KIND_TEXT, FIELD(json), 0, 0, NULL,
       "summary as JSON; - is standard output" },
@@ -115,10 +126,25 @@ static const OptionRow option_rows[OPTION_COUNT] = {
     { OPTION_GATHER_RAYS, "--gather-rays", "N",
       COMMAND_RENDER | COMMAND_MEASURE | COMMAND_FACTORS, KIND_COUNT, FIELD(gather_rays), 1,
       1 << 24, NULL, "hemisphere rays per camera ray (render) or per point (measure, factors)" },
-    { OPTION_EXPOSURE, "--exposure", "EV", COMMAND_RENDER | COMMAND_SOLVE, KIND_EXPOSURE,
-      FIELD(exposure), 0, 0, NULL, "of PNG and PLY colours, in stops, or auto (default)" },
-    { OPTION_TONE, "--tone", "CURVE", COMMAND_RENDER, KIND_CHOICE, FIELD(tone), 0, 0,
-      "shoulder,linear,reinhard,filmic", "how bright light is put on the PNG (default shoulder)" },
+    { OPTION_EXPOSURE, "--exposure", "EV", COMMAND_RENDER | COMMAND_SOLVE | COMMAND_DEVELOP,
+      KIND_EXPOSURE, FIELD(exposure), 0, 0, NULL,
+      "of PNG and PLY colours, in stops, or auto (default)" },
+    { OPTION_TONE, "--tone", "CURVE", COMMAND_RENDER | COMMAND_DEVELOP, KIND_CHOICE, FIELD(tone),
+      0, 0, "shoulder,linear,reinhard,filmic", "how bright light is put on the PNG (default shoulder)" },
+    { OPTION_FALSE_COLOUR, "--false-colour", "WHAT", COMMAND_RENDER | COMMAND_DEVELOP,
+      KIND_CHOICE, FIELD(false_colour), 0, 0, "none,luminance,illuminance",
+      "a PNG of values with a legend" },
+    { OPTION_RANGE, "--range", "LOW,HIGH", COMMAND_RENDER | COMMAND_DEVELOP | COMMAND_COMPARE,
+      KIND_RANGE, FIELD(range), 0, 0, NULL, "values at the ends of false colours (default: all)" },
+    { OPTION_LOG, "--log", NULL, COMMAND_RENDER | COMMAND_DEVELOP, KIND_FLAG, FIELD(logarithmic),
+      0, 0, NULL, "false colours in equal steps of ratio" },
+    { OPTION_ISOLINES, "--isolines", NULL, COMMAND_RENDER | COMMAND_DEVELOP, KIND_FLAG,
+      FIELD(isolines), 0, 0, NULL, "lines along the legend's values" },
+    { OPTION_CROP, "--crop", "BOX", COMMAND_RENDER, KIND_BOX, FIELD(crop), 0, 0, NULL,
+      "only this part of the picture: left,top,right,bottom in pixels" },
+    { OPTION_PIXEL_FILTER, "--pixel-filter", "SHAPE", COMMAND_RENDER, KIND_CHOICE,
+      FIELD(pixel_filter), 0, 0, "box,tent,gauss,blackman-harris",
+      "how samples around a pixel count (default box: its square alone)" },
     { OPTION_CAMERA, "--camera", "NAME", COMMAND_RENDER | COMMAND_BENCH, KIND_TEXT, FIELD(camera),
       0, 0, NULL, "a camera of the file (default: its first, or a view of the room)" },
     { OPTION_EYE, "--eye", "X,Y,Z", COMMAND_RENDER | COMMAND_BENCH, KIND_VECTOR, FIELD(eye), 0, 0,
@@ -128,7 +154,15 @@ static const OptionRow option_rows[OPTION_COUNT] = {
     { OPTION_UP, "--up", "X,Y,Z", SOLVING, KIND_VECTOR, FIELD(up), 0, 0,
       NULL, "what is up (default: as the file says)" },
     { OPTION_FOV, "--fov", "DEG", COMMAND_RENDER | COMMAND_BENCH, KIND_NUMBER, FIELD(fov), 0.01,
-      179, NULL, "vertical field of view, whole angle" },
+      360, NULL, "vertical field of view, whole angle (fisheye and panorama: default 180)" },
+    { OPTION_PROJECTION, "--projection", "KIND", COMMAND_RENDER, KIND_CHOICE, FIELD(projection), 0,
+      0, "perspective,orthographic,fisheye,panorama", "of the camera (default: as the file says)" },
+    { OPTION_VIEW_HEIGHT, "--view-height", "L", COMMAND_RENDER, KIND_NUMBER, FIELD(view_height),
+      1e-30, BIG, NULL, "orthographic: what the picture's height shows, in scene units" },
+    { OPTION_APERTURE, "--aperture", "L", COMMAND_RENDER, KIND_NUMBER, FIELD(aperture), 0, BIG,
+      NULL, "diameter of the lens in scene units: depth of field (default 0: all sharp)" },
+    { OPTION_FOCUS, "--focus", "L", COMMAND_RENDER, KIND_NUMBER, FIELD(focus), 1e-30, BIG, NULL,
+      "distance that is sharp (default: the target's)" },
     { OPTION_DIFFUSE, "--diffuse", NULL, COMMAND_RENDER, KIND_FLAG, FIELD(diffuse), 0, 0, NULL,
       "leave mirrors, glass and gloss out" },
     { OPTION_RENDERER, "--renderer", "NAME", COMMAND_RENDER, KIND_CHOICE, FIELD(renderer), 0, 0,
@@ -156,7 +190,7 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       "auto,front,back,both", "side that lamps shine from (default auto)" },
     { OPTION_SIDES, "--sides", "WHICH", READING, KIND_CHOICE, FIELD(sides), 0, 0,
       "auto,front,both", "sides that take part (default auto: what light or eye can reach)" },
-    { OPTION_UNITS, "--units", "LABEL", SOLVING, KIND_CHOICE, FIELD(units), 0, 0,
+    { OPTION_UNITS, "--units", "LABEL", SOLVING | COMMAND_DEVELOP, KIND_CHOICE, FIELD(units), 0, 0,
       "photometric,radiometric", "what the file's values are called; nothing is converted" },
     { OPTION_UNIT_M, "--unit-m", "X", SOLVING | COMMAND_CHECK, KIND_NUMBER, FIELD(unit_m), 1e-12,
       1e12, NULL, "length of a scene unit in metres (default 1)" },
@@ -185,6 +219,7 @@ static const struct {
     { COMMAND_RENDER, "render" },   { COMMAND_SOLVE, "solve" }, { COMMAND_FACTORS, "factors" },
     { COMMAND_MEASURE, "measure" }, { COMMAND_CHECK, "check" }, { COMMAND_VALIDATE, "validate" },
     { COMMAND_BENCH, "bench" },     { COMMAND_COMPARE, "compare" },
+    { COMMAND_DEVELOP, "develop" },
 };
 enum { COMMAND_TOTAL = sizeof command_names / sizeof *command_names };
 
@@ -242,6 +277,8 @@ static bool wrong_value(const OptionRow *row, const char *text, Error *err)
         [KIND_BYTES] = "a size like 512MB",        [KIND_SECONDS] = "a time like 30s or 5min",
         [KIND_SET] = "a list like all,-winding",
         [KIND_PIXELS] = "a size like 640x480",     [KIND_VECTOR] = "three numbers like 1,2.5,-3",
+        [KIND_RANGE] = "two numbers, the lower first, like 0,500",
+        [KIND_BOX] = "left,top,right,bottom in whole pixels like 100,50,300,200",
         [KIND_TEXTS] = "one of at most 64 changes",
         [KIND_EXPOSURE] = "a number of stops or auto",
     };
@@ -257,6 +294,16 @@ static bool texts_add(TextList *list, const char *text)
 }
 
 /* Stores the value; *field is the option's place in Options. */
+/* Left, top, right, bottom of whole pixels with something between them. */
+static bool is_box(const double box[4])
+{
+    static const double MOST = 32768;
+    for (int k = 0; k < 4; k++)
+        if (!(box[k] >= 0 && box[k] <= MOST && box[k] == floor(box[k])))
+            return false;
+    return box[0] < box[2] && box[1] < box[3];
+}
+
 static bool store_value(Options *options, const OptionRow *row, const char *text, Error *err)
 {
     void *field = (char *)options + row->offset;
@@ -302,6 +349,12 @@ static bool store_value(Options *options, const OptionRow *row, const char *text
         break;
     case KIND_VECTOR:
         good = value_vector(text, field);
+        break;
+    case KIND_RANGE:
+        good = value_numbers(text, field, 2) && ((double *)field)[0] < ((double *)field)[1];
+        break;
+    case KIND_BOX:
+        good = value_numbers(text, field, 4) && is_box(field);
         break;
     case KIND_EXPOSURE:
         options->exposure_set = strcmp(text, "auto") != 0;
@@ -379,6 +432,10 @@ static bool options_agree(const Options *options, Error *err)
         return error_set(err, ERROR_USAGE, "give --camera or --eye, not both");
     if (options_given(options, OPTION_TARGET) && !options_given(options, OPTION_EYE))
         return error_set(err, ERROR_USAGE, "--target belongs to --eye");
+    if ((options->logarithmic || options->isolines) && options->false_colour == FILM_NONE)
+        return error_set(err, ERROR_USAGE, "--log and --isolines belong to --false-colour");
+    if (options->logarithmic && options_given(options, OPTION_RANGE) && !(options->range[0] > 0))
+        return error_set(err, ERROR_USAGE, "--log needs a --range above 0");
     if (options_given(options, OPTION_UP) && !(vec3_length(options->up) > 0))
         return error_set(err, ERROR_USAGE, "--up must not be 0,0,0");
     return true;

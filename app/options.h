@@ -24,7 +24,8 @@ typedef enum {
     COMMAND_CHECK = 1 << 4,
     COMMAND_VALIDATE = 1 << 5,
     COMMAND_BENCH = 1 << 6,
-    COMMAND_COMPARE = 1 << 7
+    COMMAND_COMPARE = 1 << 7,
+    COMMAND_DEVELOP = 1 << 8
 } Command;
 
 /* The order of these is the order of the words in the option's table row. */
@@ -89,11 +90,21 @@ typedef enum {
     OPTION_GATHER_RAYS,
     OPTION_EXPOSURE,
     OPTION_TONE,
+    OPTION_FALSE_COLOUR,
+    OPTION_RANGE,
+    OPTION_LOG,
+    OPTION_ISOLINES,
+    OPTION_CROP,
+    OPTION_PIXEL_FILTER,
     OPTION_CAMERA,
     OPTION_EYE,
     OPTION_TARGET,
     OPTION_UP,
     OPTION_FOV,
+    OPTION_PROJECTION,
+    OPTION_VIEW_HEIGHT,
+    OPTION_APERTURE,
+    OPTION_FOCUS,
     OPTION_DIFFUSE,
     OPTION_RENDERER,
     OPTION_BY,
@@ -137,6 +148,13 @@ typedef struct Options {
     int         quality, progress, closure, storage, solver, by, exchange, emit, sides, units;
     int         light;
     int         tone;        /* ToneCurve */
+    int         false_colour; /* FilmQuantity */
+    int         projection;  /* Projection */
+    int         pixel_filter; /* PixelFilter */
+    bool        logarithmic, isolines;
+    double      range[2];    /* of false colours; only when given */
+    double      crop[4];     /* left, top, right, bottom; only when given */
+    double      view_height, aperture, focus;
     bool        print_config, diffuse, help, adapt, no_adapt, constant;
     bool        overshoot, no_ambient, compare, light_groups;
     const char *changes;     /* file of changes */
@@ -171,6 +189,8 @@ typedef enum {
     KIND_SET,      /* uint32_t, bit k: word k of the list is in it: all,-winding */
     KIND_PIXELS,   /* int[2]: 640x480 */
     KIND_VECTOR,   /* Vec3: x,y,z */
+    KIND_RANGE,    /* double[2]: low,high, the first lower */
+    KIND_BOX,      /* double[4]: left,top,right,bottom in pixels, whole numbers */
     KIND_EXPOSURE  /* double EV, or the word auto */
 } OptionKind;
 
@@ -210,6 +230,8 @@ bool value_bytes(const char *text, uint64_t *value);
 bool value_seconds(const char *text, double *value);
 bool value_pixels(const char *text, int value[2]);
 bool value_vector(const char *text, Vec3 *value);
+/* `count` numbers with commas between. */
+bool value_numbers(const char *text, double *value, int count);
 /* Position of a word in "a,b,c", or -1. */
 int value_choice(const char *text, const char *words);
 /* A set of words: "all", "none", and words that are added or, with a - before them, taken out, from

@@ -124,16 +124,27 @@ bool value_pixels(const char *text, int value[2])
     return true;
 }
 
-bool value_vector(const char *text, Vec3 *value)
+bool value_numbers(const char *text, double *value, int count)
 {
-    assert(text != NULL && value != NULL);
-    double v[3];
-    for (int axis = 0; axis < 3; axis++) {
+    enum { MOST = 4 };
+    double v[MOST];
+    assert(text != NULL && value != NULL && count >= 1 && count <= MOST);
+    for (int k = 0; k < count; k++) {
         const char *end = NULL;
-        if (!number_prefix(text, &v[axis], &end) || *end != (axis < 2 ? ',' : '\0'))
+        if (!number_prefix(text, &v[k], &end) || *end != (k < count - 1 ? ',' : '\0'))
             return false;
         text = end + 1;
     }
+    memcpy(value, v, (size_t)count * sizeof *value);
+    return true;
+}
+
+bool value_vector(const char *text, Vec3 *value)
+{
+    double v[3];
+    assert(value != NULL);
+    if (!value_numbers(text, v, 3))
+        return false;
     *value = vec3(v[0], v[1], v[2]);
     return true;
 }

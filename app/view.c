@@ -41,6 +41,37 @@ static bool camera_of_own(Pipeline *pipeline, Error *err)
     return true;
 }
 
+/* What the options say of projection and lens. */
+static bool camera_options(Pipeline *pipeline, Error *err)
+{
+    static const double ALL_ROUND = 180; /* degrees up and down */
+    const Options *options = &pipeline->session->options;
+    Camera *camera = &pipeline->camera;
+    if (options_given(options, OPTION_PROJECTION)) {
+        camera->projection = (Projection)options->projection;
+        if (camera->projection == CAMERA_FISHEYE || camera->projection == CAMERA_PANORAMA)
+            camera->vertical_fov = ALL_ROUND;
+    }
+    if (options->fov > 0)
+        camera->vertical_fov = options->fov;
+    if (options->view_height > 0)
+        camera->view_height = options->view_height;
+    if (options_given(options, OPTION_APERTURE))
+        camera->aperture = options->aperture / 2;
+    if (options->focus > 0)
+        camera->focus = options->focus;
+    const bool around = camera->projection == CAMERA_FISHEYE ||
+                        camera->projection == CAMERA_PANORAMA;
+    if (!around && camera->vertical_fov >= ALL_ROUND)
+        return error_set(err, ERROR_USAGE, "--fov %g: below 180, but for fisheye and panorama",
+                         camera->vertical_fov);
+    /* As much as a perspective view of the same field shows at the target. */
+    if (!(camera->view_height > 0))
+        camera->view_height = 2 * tan(fmin(camera->vertical_fov, 170) * 3.14159265358979 / 360) *
+                              vec3_length(vec3_sub(camera->target, camera->eye));
+    return true;
+}
+
 bool pipeline_camera(Pipeline *pipeline, Error *err)
 {
     const Options *options = &pipeline->session->options;
@@ -55,8 +86,7 @@ bool pipeline_camera(Pipeline *pipeline, Error *err)
         pipeline->camera = scene->cameras[0];
     else
         view_of_surfaces(scene, pipeline->surfaces, pipeline->bvh, &pipeline->camera);
-    if (found && options->fov > 0)
-        pipeline->camera.vertical_fov = options->fov;
+    found = found && camera_options(pipeline, err);
     pipeline->has_camera = found;
     return found;
 }

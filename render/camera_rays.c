@@ -41,6 +41,7 @@ void camera_rays_init(CameraRays *rays, const Camera *camera, int width, int hei
     rays->projection = camera->projection;
     rays->half_width = 0.5 * width;
     rays->half_height = 0.5 * height;
+    rays->rim = fmin(PI, camera->vertical_fov * PI / 360);
     rays->lens = camera->aperture;
     rays->focus = camera->focus > 0 ? camera->focus
                                     : vec3_length(vec3_sub(camera->target, camera->eye));
@@ -76,7 +77,7 @@ static bool round_direction(const CameraRays *rays, double right, double up, Vec
         const double angle = hypot(right, up);
         const double scale = angle > 0 ? sin(angle) / angle : 1;
         *direction = in_frame(rays, scale * right, scale * up, cos(angle));
-        return angle <= fmin(PI, rays->pixel * rays->half_height) + rim;
+        return angle <= rays->rim + rim;
     }
     *direction = in_frame(rays, cos(up) * sin(right), sin(up), cos(up) * cos(right));
     return fabs(up) <= PI / 2 + rim && fabs(right) <= PI + rim;
@@ -114,6 +115,12 @@ bool camera_rays_at(const CameraRays *rays, double x, double y, const float *len
     if (lens != NULL && rays->lens > 0)
         through_lens(rays, lens, origin, direction);
     return seen;
+}
+
+void camera_rays_crop(CameraRays *rays, int x, int y)
+{
+    rays->half_width -= x;
+    rays->half_height -= y;
 }
 
 double camera_rays_footprint(const CameraRays *rays, double distance)

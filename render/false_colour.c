@@ -136,7 +136,7 @@ int false_colour_ticks(const FalseColour *scale, int most, double *ticks)
     for (double k = ceil(scale->low / step - ROUNDING); n < most; k++) {
         if (k * step > scale->high + ROUNDING * span)
             break;
-        ticks[n++] = k * step;
+        ticks[n++] = k * step + 0.0; /* no -0 */
     }
     return n;
 }

@@ -27,7 +27,7 @@ Gatherer *gatherer_create(const Room *room, const Solution *solution, const Link
 Gatherer *gatherer_destroy(Gatherer *gatherer);
 
 typedef struct {
-    int      width, height;
+    int      width, height; /* of the whole picture */
     uint32_t samples;       /* camera rays per pixel; 0: 64 */
     uint32_t gather_rays;   /* hemisphere rays per camera ray; 0: 4 */
     uint32_t light_rays;    /* lamp samples per camera ray; 0: 1 */
@@ -35,6 +35,8 @@ typedef struct {
     Rgb      background;
     uint32_t seed;
     unsigned threads;
+    PixelFilter filter;
+    int      crop[4];       /* left, top, right, bottom of the part to make; all 0: the whole */
     struct KeptTiles *kept; /* tiles of an earlier run, and where finished ones can be saved from
                                (render/kept_tiles.h); NULL: none */
 } RenderOptions;

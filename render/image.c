@@ -48,6 +48,25 @@ bool image_add_deviation(Image *image, Error *err)
     return image->deviation != NULL;
 }
 
+Image *image_create_part(int width, int height, const int part[4], Error *err)
+{
+    const bool whole = part[2] == 0 && part[3] == 0;
+    if (!whole && (part[2] > width || part[3] > height)) {
+        error_set(err, ERROR_USAGE, "the part %d,%d,%d,%d reaches beyond the picture of %d x %d",
+                  part[0], part[1], part[2], part[3], width, height);
+        return NULL;
+    }
+    Image *image = image_create(whole ? width : part[2] - part[0],
+                                whole ? height : part[3] - part[1], err);
+    if (image == NULL || whole)
+        return image;
+    image->left = part[0];
+    image->top = part[1];
+    image->whole_width = width;
+    image->whole_height = height;
+    return image;
+}
+
 Image *image_destroy(Image *image)
 {
     if (image == NULL)

@@ -8,8 +8,14 @@
 
 #include "base/error.h"
 
+/* How samples around a pixel's middle count; box: its square alone; the others reach 1, 1.5 and 1.5
+ * pixels far. */
+typedef enum { FILTER_BOX, FILTER_TENT, FILTER_GAUSS, FILTER_BLACKMAN_HARRIS } PixelFilter;
+
 typedef struct {
     int    width, height;
+    int    left, top;           /* of a part: its place in the whole picture; else 0 */
+    int    whole_width, whole_height; /* of the whole picture; 0: this is it */
     float *radiance;    /* [3 * width * height]  all light towards the eye */
     float *direct;      /* [3 * ..]  part of it reflected once from lamps and lights */
     float *indirect;    /* [3 * ..]  part of it reflected more often; emitted = radiance - both */
@@ -26,6 +32,9 @@ typedef struct {
 Image *image_create(int width, int height, Error *err);
 /* Adds the layer `deviation`, zeros, unless it is there. fails  false and ERROR_MEMORY. */
 bool image_add_deviation(Image *image, Error *err);
+/* The same for a part of a picture: left, top, right, bottom in pixels; all 0: the whole. fails too
+ * when it reaches beyond the picture. */
+Image *image_create_part(int width, int height, const int part[4], Error *err);
 /* Frees; NULL is allowed. Always returns NULL. */
 Image *image_destroy(Image *image);
 
@@ -39,8 +48,8 @@ typedef struct {
 } ImageInfo;
 
 /* OpenEXR, 32-bit float, ZIP: channels R G B; direct.R ...; indirect.R ...; albedo.R ...;
- * irradiance.R ...; normal.X Y Z; depth.Z; patch.ID (uint); deviation.Y when there is one. Attributes from
- * info. */
+ * irradiance.R ...; normal.X Y Z; depth.Z; patch.ID (uint); deviation.Y when there is one.
+ * Attributes from info. */
 bool image_write_exr(const Image *image, const ImageInfo *info, const char *path, Error *err);
 /* R G B of an EXR (any of half, float), for comparing; width and height are set.
  * owns   the caller frees with array_free. */

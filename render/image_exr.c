@@ -149,12 +149,29 @@ static exr_result_t write_attributes(exr_context_t file, const ImageInfo *info)
     return r;
 }
 
+/* A part says where in the whole it belongs. */
+static exr_result_t write_windows(exr_context_t file, const Image *image)
+{
+    const exr_attr_box2i_t data = {
+        .min = { { .x = image->left, .y = image->top } },
+        .max = { { .x = image->left + image->width - 1, .y = image->top + image->height - 1 } },
+    };
+    const exr_attr_box2i_t whole = {
+        .max = { { .x = image->whole_width - 1, .y = image->whole_height - 1 } },
+    };
+    if (image->whole_width == 0)
+        return EXR_ERR_SUCCESS;
+    const exr_result_t r = exr_set_data_window(file, 0, &data);
+    return r ? r : exr_set_display_window(file, 0, &whole);
+}
+
 static exr_result_t write_head(exr_context_t file, const Image *image, const ImageInfo *info,
                                const Channel *list, int count)
 {
     exr_result_t r = exr_add_part(file, "isolux", EXR_STORAGE_SCANLINE, NULL);
     r = r ? r : exr_initialize_required_attr_simple(file, 0, image->width, image->height,
                                                     EXR_COMPRESSION_ZIP);
+    r = r ? r : write_windows(file, image);
     for (int i = 0; i < count && r == EXR_ERR_SUCCESS; i++)
         r = exr_add_channel(file, 0, list[i].name, list[i].whole ? EXR_PIXEL_UINT : EXR_PIXEL_FLOAT,
                             EXR_PERCEPTUALLY_LINEAR, 1, 1);
@@ -188,7 +205,7 @@ static exr_result_t write_chunks(exr_context_t file, const Image *image, const C
     exr_result_t          r = exr_get_scanlines_per_chunk(file, 0, &lines);
     for (int y = 0; y < image->height && r == EXR_ERR_SUCCESS; y += lines) {
         exr_chunk_info_t chunk;
-        r = exr_write_scanline_chunk_info(file, 0, y, &chunk);
+        r = exr_write_scanline_chunk_info(file, 0, image->top + y, &chunk);
         if (r == EXR_ERR_SUCCESS)
             r = y == 0 ? exr_encoding_initialize(file, 0, &chunk, &encoder)
                        : exr_encoding_update(file, 0, &chunk, &encoder);
@@ -350,7 +367,8 @@ static bool check_channels(const Picture *picture, const char *path, Error *err)
         if (found == NULL)
             return error_at(err, ERROR_INPUT, path, 0, "has no channel %s", picture->name[k]);
         if (found->x_sampling != 1 || found->y_sampling != 1)
-            return error_at(err, ERROR_INPUT, path, 0, "channel %s is subsampled", picture->name[k]);
+            return error_at(err, ERROR_INPUT, path, 0, "channel %s is subsampled",
+                            picture->name[k]);
         if (found->pixel_type != EXR_PIXEL_HALF && found->pixel_type != EXR_PIXEL_FLOAT)
             return error_at(err, ERROR_INPUT, path, 0, "channel %s is not half or float",
                             picture->name[k]);

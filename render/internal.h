@@ -33,7 +33,8 @@ bool png_write_pixels(const uint8_t *pixels, int width, int height, double expos
 typedef struct {
     Projection projection;
     Vec3   eye, forward, right, up; /* unit, perpendicular to each other */
-    double half_width, half_height; /* of the picture, in pixels */
+    double half_width, half_height; /* the picture's middle, in pixels */
+    double rim;                     /* of a fisheye: the largest angle from the axis, radians */
     double pixel;                   /* size of one: on the plane at distance 1, in scene units, or
                                        in radians, by projection */
     double lens, focus;
@@ -48,7 +49,20 @@ bool camera_rays_at(const CameraRays *rays, double x, double y, const float *len
                     Vec3 *direction);
 /* Whether a lens blurs: only then do samples need numbers for it. */
 static inline bool camera_rays_blur(const CameraRays *rays) { return rays->lens > 0; }
+/* Goes on with the part of the picture whose upper left corner is pixel (x, y). */
+void camera_rays_crop(CameraRays *rays, int x, int y);
 /* About the width that a pixel covers at a distance from the eye. */
 double camera_rays_footprint(const CameraRays *rays, double distance);
+
+/* --- pixel_filter.c -------------------------------------------------------------------------- */
+
+enum { FILTER_STEPS = 256 };
+typedef struct {
+    double quantile[FILTER_STEPS + 1]; /* of one axis, from the pixel's middle */
+} FilterTable;
+
+void filter_table_init(FilterTable *table, PixelFilter shape);
+/* Place of a sample, from the pixel's upper left corner, for u in 0..1. */
+void filter_table_offset(const FilterTable *table, const float u[2], double offset[2]);
 
 #endif

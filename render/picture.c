@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The picture: eye's rays through every pixel, mirrors and glass on the way, light where they end.
  *
- * A pixel is the mean over its square (a box of one pixel), sampled at points of a scrambled Sobol'
- * sequence; each kind of choice has a sequence of its own that runs on through all samples of the
+ * A pixel is the mean over its square, or of more around it, sampled at points of a scrambled
+ * Sobol' sequence; each kind of choice has a sequence of its own that runs on through all samples of the
  * pixel. Tiles are independent, so threads change nothing.
  */
 #include <assert.h>
@@ -36,6 +36,7 @@ typedef struct {
     const Gatherer      *gatherer;
     const RenderOptions *options; /* defaults filled in */
     CameraRays           camera;
+    FilterTable          filter;
     Image               *image;
     uint32_t             tiles_x;
     uint64_t            *rays;    /* [tiles] */
@@ -144,13 +145,14 @@ static void render_samples(const Render *render, Worker *worker, int x, int y, u
     uint32_t             seen = 0;
     for (uint32_t i = begin; i < begin + count; i++) {
         float   u[2], lens[2];
+        double  at[2];
         EyeRay *eye = &worker->eye[seen];
         sampling_sobol2(i, seed, u);
         if (blur)
             sampling_sobol2(i, lens_seed, lens);
         *eye = (EyeRay){ .weight = { 1, 1, 1 }, .index = i };
-        seen += eye_ray(&render->camera, x + (double)u[0], y + (double)u[1],
-                        blur ? lens : NULL, &eye->ray);
+        filter_table_offset(&render->filter, u, at);
+        seen += eye_ray(&render->camera, x + at[0], y + at[1], blur ? lens : NULL, &eye->ray);
     }
     count = seen;
     for (unsigned bounce = 0; count > 0; bounce++) {
@@ -211,7 +213,9 @@ static void render_pixel(const Render *render, Worker *worker, int x, int y)
 {
     const uint32_t samples = render->options->samples;
     const size_t   at = (size_t)y * (size_t)render->image->width + (size_t)x;
-    const uint32_t seed = sampling_seed((uint32_t)x, (uint32_t)y, render->options->seed, 1);
+    const uint32_t seed = sampling_seed((uint32_t)(x + render->image->left),
+                                              (uint32_t)(y + render->image->top),
+                                              render->options->seed, 1);
     Pixel          pixel = { 0 };
     uint32_t       done = 0;
     /* Asked to stop, a pixel keeps the samples it has: a tile with thousands each takes long. */
@@ -378,11 +382,13 @@ Image *render_gather(const Gatherer *gatherer, const Camera *camera, const Rende
     const RenderOptions o = with_defaults(options);
     RenderReport        unused;
     Render render = { .gatherer = gatherer, .options = &o,
-                      .image = image_create(o.width, o.height, err) };
+                      .image = image_create_part(o.width, o.height, o.crop, err) };
     if (render.image == NULL)
         return NULL;
-    render.tiles_x = ((uint32_t)o.width + TILE - 1) / TILE;
+    render.tiles_x = ((uint32_t)render.image->width + TILE - 1) / TILE;
     camera_rays_init(&render.camera, camera, o.width, o.height);
+    camera_rays_crop(&render.camera, render.image->left, render.image->top);
+    filter_table_init(&render.filter, o.filter);
     render_run(&render, report != NULL ? report : &unused, monitor, err);
     return error_is_set(err) && err->code != ERROR_STOPPED ? image_destroy(render.image)
                                                            : render.image;

@@ -44,7 +44,7 @@ static double filmic(double v)
     static const double A = 2.51, B = 0.03, C = 2.43, D = 0.59, E = 0.14;
     const double G = MID_GREY, a = A - G * C, b = B - G * D, c = -G * E;
     const double grey = (-b + sqrt(b * b - 4 * a * c)) / (2 * a);
-    const double x = fmin(v, 1e6) * grey / MID_GREY; /* beyond it is white, and squares stay finite */
+    const double x = fmin(v, 1e6) * grey / MID_GREY; /* beyond is white; squares stay finite */
     return fmin(1, x * (A * x + B) / (x * (C * x + D) + E));
 }
 
