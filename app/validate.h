@@ -74,12 +74,22 @@ typedef struct {
     double      radiosity;
 } WallMean;
 
+/* A value at a point that is known: radiosity of a surface there of that exitance and reflectance,
+ * which receives from the side of the normal. */
+typedef struct {
+    const char *quantity;
+    Vec3        point, normal;
+    double      exitance, reflectance, radiosity;
+} PointRadiosity;
+
 typedef struct {
     uint32_t patches, rays;
     double   tolerance; /* absolute */
+    const PointRadiosity *point; /* [points]  gathered once more */
+    size_t   points;
 } MeanSetup;
 
-/* Solves the scene, which it takes, with closure of rows and pairs, and checks means. */
+/* Solves the scene, which it takes, with closure of rows and pairs, and checks means and points. */
 bool validation_means(Validation *validation, Scene *scene, const MeanSetup *setup,
                       const WallMean *walls, size_t count, Error *err);
 /* Irradiance at a point, luminance, and its standard error. */

@@ -154,6 +154,19 @@ enum { PATCHES = 6000, RAYS = 1024 };
 /* What a fine mesh is asked for, absolute at an exitance of 1. */
 static const double FINE_MESH = 2e-4;
 
+static const PointRadiosity plates_points[] = {
+    { "lit plate at 0.5, 0.5", { 0.5, 0.5, 0 }, { 0, 0, 1 }, 1, 0.5, 1.012326763 },
+    { "lit plate at 0.25, 0.5", { 0.25, 0.5, 0 }, { 0, 0, 1 }, 1, 0.5, 1.0114428372 },
+    { "lit plate at 0.25, 0.25", { 0.25, 0.25, 0 }, { 0, 0, 1 }, 1, 0.5, 1.0106362477 },
+    { "lit plate at 0, 0.5", { 0, 0.5, 0 }, { 0, 0, 1 }, 1, 0.5, 1.0091912158 },
+    { "lit plate at 0, 0", { 0, 0, 0 }, { 0, 0, 1 }, 1, 0.5, 1.0070063484 },
+    { "other plate at 0.5, 0.5", { 0.5, 0.5, 1 }, { 0, 0, -1 }, 0, 0.5, 0.120976802 },
+    { "other plate at 0.25, 0.5", { 0.25, 0.5, 1 }, { 0, 0, -1 }, 0, 0.5, 0.1126420114 },
+    { "other plate at 0.25, 0.25", { 0.25, 0.25, 1 }, { 0, 0, -1 }, 0, 0.5, 0.1049984097 },
+    { "other plate at 0, 0.5", { 0, 0.5, 1 }, { 0, 0, -1 }, 0, 0.5, 0.0911150167 },
+    { "other plate at 0, 0", { 0, 0, 1 }, { 0, 0, -1 }, 0, 0.5, 0.0699750448 },
+};
+
 static bool run_open_plates(Validation *validation, Error *err)
 {
     static const WallMean means[] = { { "lit plate", "a", FRONT_SIDE, 1.01021805506 },
@@ -164,9 +177,26 @@ static bool run_open_plates(Validation *validation, Error *err)
         return false;
     model_rectangle(scene, vec3(0, 0, 0), x, y, model_grey(scene, "lit", 0.5, 1, err), "a", err);
     model_rectangle(scene, vec3(0, 0, 1), y, x, model_grey(scene, "grey", 0.5, 0, err), "b", err);
-    return validation_means(validation, scene, &(MeanSetup){ PATCHES, RAYS, FINE_MESH }, means, 2,
-                            err);
+    const MeanSetup setup = { .patches = PATCHES, .rays = RAYS, .tolerance = FINE_MESH,
+                              .point = plates_points,
+                              .points = sizeof plates_points / sizeof *plates_points };
+    return validation_means(validation, scene, &setup, means, 2, err);
 }
+
+static const PointRadiosity discs_points[] = {
+    { "lit disc, radius 0", { 0, 0, 0 }, { 0, 0, 1 }, 1, 0.5, 1.0530602895 },
+    { "lit disc, radius 0.2", { 0.2, 0, 0 }, { 0, 0, 1 }, 1, 0.5, 1.0517741529 },
+    { "lit disc, radius 0.4", { 0.4, 0, 0 }, { 0, 0, 1 }, 1, 0.5, 1.0480324526 },
+    { "lit disc, radius 0.6", { 0.6, 0, 0 }, { 0, 0, 1 }, 1, 0.5, 1.0422118516 },
+    { "lit disc, radius 0.8", { 0.8, 0, 0 }, { 0, 0, 1 }, 1, 0.5, 1.0350006985 },
+    { "lit disc, radius 1", { 1, 0, 0 }, { 0, 0, 1 }, 1, 0.5, 1.0273704765 },
+    { "other disc, radius 0", { 0, 0, 1 }, { 0, 0, -1 }, 0, 0.5, 0.2605083583 },
+    { "other disc, radius 0.2", { 0.2, 0, 1 }, { 0, 0, -1 }, 0, 0.5, 0.2552492396 },
+    { "other disc, radius 0.4", { 0.4, 0, 1 }, { 0, 0, -1 }, 0, 0.5, 0.2395575022 },
+    { "other disc, radius 0.6", { 0.6, 0, 1 }, { 0, 0, -1 }, 0, 0.5, 0.2140382045 },
+    { "other disc, radius 0.8", { 0.8, 0, 1 }, { 0, 0, -1 }, 0, 0.5, 0.1806953376 },
+    { "other disc, radius 1", { 1, 0, 1 }, { 0, 0, -1 }, 0, 0.5, 0.1435740954 },
+};
 
 static bool run_open_discs(Validation *validation, Error *err)
 {
@@ -179,9 +209,29 @@ static bool run_open_discs(Validation *validation, Error *err)
                 model_grey(scene, "lit", 0.5, 1, err), "a", err);
     model_shape(scene, SHAPE_DISC, 0, vec3(0, 0, 1), vec3(1, 1, -1),
                 model_grey(scene, "grey", 0.5, 0, err), "b", err);
-    return validation_means(validation, scene, &(MeanSetup){ PATCHES, RAYS, FINE_MESH }, means, 2,
-                            err);
+    const MeanSetup setup = { .patches = PATCHES, .rays = RAYS, .tolerance = FINE_MESH,
+                              .point = discs_points,
+                              .points = sizeof discs_points / sizeof *discs_points };
+    return validation_means(validation, scene, &setup, means, 2, err);
 }
+
+static const PointRadiosity can_points[] = {
+    { "bottom, radius 0", { 0, 0, 0 }, { 0, 0, 1 }, 1, 0.5, 1.092672302 },
+    { "bottom, radius 0.2375", { 0.2375, 0, 0 }, { 0, 0, 1 }, 1, 0.5, 1.093686799 },
+    { "bottom, radius 0.475", { 0.475, 0, 0 }, { 0, 0, 1 }, 1, 0.5, 1.097083826 },
+    { "bottom, radius 0.7125", { 0.7125, 0, 0 }, { 0, 0, 1 }, 1, 0.5, 1.104314002 },
+    { "bottom, radius 0.95", { 0.95, 0, 0 }, { 0, 0, 1 }, 1, 0.5, 1.121485865 },
+    { "coat, height 0.1", { 1, 0, 0.1 }, { -1, 0, 0 }, 0, 0.5, 0.3097811106 },
+    { "coat, height 0.5", { 1, 0, 0.5 }, { -1, 0, 0 }, 0, 0.5, 0.2331112407 },
+    { "coat, height 1", { 1, 0, 1 }, { -1, 0, 0 }, 0, 0.5, 0.1672589507 },
+    { "coat, height 1.5", { 1, 0, 1.5 }, { -1, 0, 0 }, 0, 0.5, 0.1270967597 },
+    { "coat, height 1.9", { 1, 0, 1.9 }, { -1, 0, 0 }, 0, 0.5, 0.1068725698 },
+    { "top, radius 0", { 0, 0, 2 }, { 0, 0, -1 }, 0, 0.5, 0.1774348603 },
+    { "top, radius 0.2375", { 0.2375, 0, 2 }, { 0, 0, -1 }, 0, 0.5, 0.1750587866 },
+    { "top, radius 0.475", { 0.475, 0, 2 }, { 0, 0, -1 }, 0, 0.5, 0.1680330153 },
+    { "top, radius 0.7125", { 0.7125, 0, 2 }, { 0, 0, -1 }, 0, 0.5, 0.1565887917 },
+    { "top, radius 0.95", { 0.95, 0, 2 }, { 0, 0, -1 }, 0, 0.5, 0.1403807033 },
+};
 
 static bool run_can(Validation *validation, Error *err)
 {
@@ -196,8 +246,10 @@ static bool run_can(Validation *validation, Error *err)
     model_shape(scene, SHAPE_DISC, 0, vec3(0, 0, 0), vec3(1, 1, 1), lit, "bottom", err);
     model_shape(scene, SHAPE_DISC, 0, vec3(0, 0, 2), vec3(1, 1, -1), grey, "top", err);
     model_shape(scene, SHAPE_FRUSTUM, 1, vec3(0, 0, 0), vec3(1, 1, 2), grey, "coat", err);
-    return validation_means(validation, scene, &(MeanSetup){ PATCHES, RAYS, FINE_MESH }, means, 3,
-                            err);
+    const MeanSetup setup = { .patches = PATCHES, .rays = RAYS, .tolerance = FINE_MESH,
+                              .point = can_points,
+                              .points = sizeof can_points / sizeof *can_points };
+    return validation_means(validation, scene, &setup, means, 3, err);
 }
 
 const Case *validate_plate_cases(size_t *count)

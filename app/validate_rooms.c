@@ -13,10 +13,11 @@ enum { PATCHES = 6000, RAYS = 2048 };
 static const double FINE_MESH = 2e-4;
 
 static bool check_means(Validation *validation, Scene *scene, const WallMean *walls, size_t count,
-                        Error *err)
+                        const PointRadiosity *point, size_t points, Error *err)
 {
-    return validation_means(validation, scene, &(MeanSetup){ PATCHES, RAYS, FINE_MESH }, walls,
-                            count, err);
+    const MeanSetup setup = { .patches = PATCHES, .rays = RAYS, .tolerance = FINE_MESH,
+                              .point = point, .points = points };
+    return validation_means(validation, scene, &setup, walls, count, err);
 }
 
 /* --- unit cube, ceiling emits ----------------------------------------------------------------- */
@@ -34,12 +35,49 @@ static Scene *lit_cube(double reflectance, uint32_t *wall, Error *err)
     return scene;
 }
 
+enum { CUBES = 3, CUBE_POINTS = 10 };
+
+static const PointRadiosity cube_points[CUBES][CUBE_POINTS] = { {
+    { "floor at 0.5, 0.5", { 0.5, 0.5, 0 }, { 0, 0, 1 }, 0, 0.2, 0.0552114593 },
+    { "floor at 0.1, 0.5", { 0.1, 0.5, 0 }, { 0, 0, 1 }, 0, 0.2, 0.0463775014 },
+    { "floor at 0.1, 0.1", { 0.1, 0.1, 0 }, { 0, 0, 1 }, 0, 0.2, 0.0390603851 },
+    { "ceiling at 0.5, 0.5", { 0.5, 0.5, 1 }, { 0, 0, -1 }, 1, 0.2, 1.0098676146 },
+    { "ceiling at 0.1, 0.1", { 0.1, 0.1, 1 }, { 0, 0, -1 }, 1, 0.2, 1.0125174923 },
+    { "wall at 0.5, 0.5", { 0, 0.5, 0.5 }, { 1, 0, 0 }, 0, 0.2, 0.0462302315 },
+    { "wall at 0.5, 0.1", { 0, 0.5, 0.1 }, { 1, 0, 0 }, 0, 0.2, 0.0251591399 },
+    { "wall at 0.1, 0.1", { 0, 0.1, 0.1 }, { 1, 0, 0 }, 0, 0.2, 0.0211945276 },
+    { "wall at 0.5, 0.9", { 0, 0.5, 0.9 }, { 1, 0, 0 }, 0, 0.2, 0.0921156797 },
+    { "wall at 0.1, 0.9", { 0, 0.1, 0.9 }, { 1, 0, 0 }, 0, 0.2, 0.0780165337 },
+}, {
+    { "floor at 0.5, 0.5", { 0.5, 0.5, 0 }, { 0, 0, 1 }, 0, 0.5, 0.1976044045 },
+    { "floor at 0.1, 0.5", { 0.1, 0.5, 0 }, { 0, 0, 1 }, 0, 0.5, 0.1717908201 },
+    { "floor at 0.1, 0.1", { 0.1, 0.1, 0 }, { 0, 0, 1 }, 0, 0.5, 0.1484061667 },
+    { "ceiling at 0.5, 0.5", { 0.5, 0.5, 1 }, { 0, 0, -1 }, 1, 0.5, 1.0918051598 },
+    { "ceiling at 0.1, 0.1", { 0.1, 0.1, 1 }, { 0, 0, -1 }, 1, 0.5, 1.1100013474 },
+    { "wall at 0.5, 0.5", { 0, 0.5, 0.5 }, { 1, 0, 0 }, 0, 0.5, 0.1776476089 },
+    { "wall at 0.5, 0.1", { 0, 0.5, 0.1 }, { 1, 0, 0 }, 0, 0.5, 0.1227901218 },
+    { "wall at 0.1, 0.1", { 0, 0.1, 0.1 }, { 1, 0, 0 }, 0, 0.5, 0.1070493569 },
+    { "wall at 0.5, 0.9", { 0, 0.5, 0.9 }, { 1, 0, 0 }, 0, 0.5, 0.2923371755 },
+    { "wall at 0.1, 0.9", { 0, 0.1, 0.9 }, { 1, 0, 0 }, 0, 0.5, 0.2637468861 },
+}, {
+    { "floor at 0.5, 0.5", { 0.5, 0.5, 0 }, { 0, 0, 1 }, 0, 0.8, 0.7130824162 },
+    { "floor at 0.1, 0.5", { 0.1, 0.5, 0 }, { 0, 0, 1 }, 0, 0.8, 0.6639537605 },
+    { "floor at 0.1, 0.1", { 0.1, 0.1, 0 }, { 0, 0, 1 }, 0, 0.8, 0.6129185362 },
+    { "ceiling at 0.5, 0.5", { 0.5, 0.5, 1 }, { 0, 0, -1 }, 1, 0.8, 1.5522623493 },
+    { "ceiling at 0.1, 0.1", { 0.1, 0.1, 1 }, { 0, 0, -1 }, 1, 0.8, 1.6064140153 },
+    { "wall at 0.5, 0.5", { 0, 0.5, 0.5 }, { 1, 0, 0 }, 0, 0.8, 0.6836638085 },
+    { "wall at 0.5, 0.1", { 0, 0.5, 0.1 }, { 1, 0, 0 }, 0, 0.8, 0.5886625706 },
+    { "wall at 0.1, 0.1", { 0, 0.1, 0.1 }, { 1, 0, 0 }, 0, 0.8, 0.5493638521 },
+    { "wall at 0.5, 0.9", { 0, 0.5, 0.9 }, { 1, 0, 0 }, 0, 0.8, 0.872136252 },
+    { "wall at 0.1, 0.9", { 0, 0.1, 0.9 }, { 1, 0, 0 }, 0, 0.8, 0.8409698721 },
+} };
+
 static bool run_cube(Validation *validation, Error *err)
 {
     static const struct {
         double   reflectance;
         WallMean walls[3];
-    } cubes[] = {
+    } cubes[CUBES] = {
         { 0.2, { { "rho 0.2, wall", "x0", ANY_SIDE, 0.04796085341 },
                  { "rho 0.2, floor", "z0", ANY_SIDE, 0.04637051048 },
                  { "rho 0.2, ceiling", "z1", ANY_SIDE, 1.011786076 } } },
@@ -50,14 +88,27 @@ static bool run_cube(Validation *validation, Error *err)
                  { "rho 0.8, floor", "z0", ANY_SIDE, 0.6609791219 },
                  { "rho 0.8, ceiling", "z1", ANY_SIDE, 1.587505715 } } },
     };
-    for (size_t i = 0; i < sizeof cubes / sizeof *cubes; i++)
+    for (int i = 0; i < CUBES; i++)
         if (!check_means(validation, lit_cube(cubes[i].reflectance, NULL, err), cubes[i].walls, 3,
-                         err))
+                         cube_points[i], CUBE_POINTS, err))
             return false;
     return true;
 }
 
 /* --- the same with a plate half way up -------------------------------------------------------- */
+
+static const PointRadiosity plate_points[] = {
+    { "floor at 0.5, 0.5", { 0.5, 0.5, 0 }, { 0, 0, 1 }, 0, 0.5, 0.066443154 },
+    { "floor at 0.25, 0.25", { 0.25, 0.25, 0 }, { 0, 0, 1 }, 0, 0.5, 0.11260897 },
+    { "floor at 0.1, 0.1", { 0.1, 0.1, 0 }, { 0, 0, 1 }, 0, 0.5, 0.11659518 },
+    { "plate, top at 0.5, 0.5", { 0.5, 0.5, 0.5 }, { 0, 0, 1 }, 0, 0.5, 0.36411824 },
+    { "plate, bottom at 0.5, 0.5", { 0.5, 0.5, 0.5 }, { 0, 0, -1 }, 0, 0.5, 0.050228708 },
+    { "wall at 0.5, 0.5", { 0, 0.5, 0.5 }, { 1, 0, 0 }, 0, 0.5, 0.16818878 },
+    { "wall at 0.5, 0.25", { 0, 0.5, 0.25 }, { 1, 0, 0 }, 0, 0.5, 0.10021684 },
+    { "wall at 0.5, 0.75", { 0, 0.5, 0.75 }, { 1, 0, 0 }, 0, 0.5, 0.25062435 },
+    { "ceiling at 0.5, 0.5", { 0.5, 0.5, 1 }, { 0, 0, -1 }, 1, 0.5, 1.1097792 },
+    { "floor at 0.5, 0.1", { 0.5, 0.1, 0 }, { 0, 0, 1 }, 0, 0.5, 0.11056389 },
+};
 
 static bool run_plate(Validation *validation, Error *err)
 {
@@ -73,7 +124,8 @@ static bool run_plate(Validation *validation, Error *err)
     if (scene != NULL)
         model_rectangle(scene, vec3(0.25, 0.25, 0.5), vec3(0.5, 0, 0), vec3(0, 0.5, 0), wall,
                         "plate", err);
-    return check_means(validation, scene, walls, sizeof walls / sizeof *walls, err);
+    return check_means(validation, scene, walls, sizeof walls / sizeof *walls, plate_points,
+                       sizeof plate_points / sizeof *plate_points, err);
 }
 
 /* --- L-shaped room, the end wall of one arm emits --------------------------------------------- */
@@ -104,6 +156,20 @@ static Scene *lit_l_room(Error *err)
     return scene;
 }
 
+static const PointRadiosity l_room_points[] = {
+    { "floor at 0.5, 0.5", { 0.5, 0.5, 0 }, { 0, 0, 1 }, 0, 0.6, 0.071632283 },
+    { "floor at 0.5, 1.5", { 0.5, 1.5, 0 }, { 0, 0, 1 }, 0, 0.6, 0.024835036 },
+    { "floor at 1.5, 0.5", { 1.5, 0.5, 0 }, { 0, 0, 1 }, 0, 0.6, 0.22247308 },
+    { "west at 0.5, 0.5", { 0, 0.5, 0.5 }, { 1, 0, 0 }, 0, 0.6, 0.096753858 },
+    { "west at 1.5, 0.5", { 0, 1.5, 0.5 }, { 1, 0, 0 }, 0, 0.6, 0.038457871 },
+    { "north at 0.5, 0.5", { 0.5, 2, 0.5 }, { 0, -1, 0 }, 0, 0.6, 0.025440898 },
+    { "dark inner wall at 1.5, 0.5", { 1, 1.5, 0.5 }, { -1, 0, 0 }, 0, 0.6, 0.023346346 },
+    { "lit inner wall at 1.5, 0.5", { 1.5, 1, 0.5 }, { 0, -1, 0 }, 0, 0.6, 0.22333344 },
+    { "south at 0.5, 0.5", { 0.5, 0, 0.5 }, { 0, 1, 0 }, 0, 0.6, 0.070295733 },
+    { "lamp at 0.5, 0.5", { 2, 0.5, 0.5 }, { -1, 0, 0 }, 1, 0.6, 1.1185365 },
+    { "ceiling at 0.9, 1.9", { 0.9, 1.9, 1 }, { 0, 0, -1 }, 0, 0.6, 0.014967981 },
+};
+
 static bool run_l_room(Validation *validation, Error *err)
 {
     static const WallMean walls[] = {
@@ -120,7 +186,8 @@ static bool run_l_room(Validation *validation, Error *err)
         { "inner wall, lit arm", "inner_y", ANY_SIDE, 0.22786935 },
         { "inner wall, dark arm", "inner_x", ANY_SIDE, 0.022949085 },
     };
-    return check_means(validation, lit_l_room(err), walls, sizeof walls / sizeof *walls, err);
+    return check_means(validation, lit_l_room(err), walls, sizeof walls / sizeof *walls,
+                       l_room_points, sizeof l_room_points / sizeof *l_room_points, err);
 }
 
 const Case *validate_room_cases(size_t *count)
