@@ -88,9 +88,10 @@ static bool enforce(Pipeline *pipeline, Error *err)
     const double begin = progress_now();
     if (session->settings.closure == CLOSURE_NONE)
         return true;
+    const Patches *patches = pipeline->groups == NULL ? pipeline->patches : NULL;
     Links *closed;
     do {
-        closed = links_close(pipeline->links, pipeline->patches, session->settings.closure,
+        closed = links_close(pipeline->links, patches, session->settings.closure,
                              session->settings.threads, &session->monitor, err);
     } while (closed == NULL && pipeline_hurry(pipeline, err));
     pipeline->closure_seconds = progress_now() - begin;
