@@ -29,10 +29,13 @@ Image *pipeline_path(Pipeline *pipeline, Error *err)
         return NULL;
     pipeline_room(pipeline);
     const double begin = progress_now();
+    const double *crop = session->options.crop;
     const PathOptions po = { .width = pipeline->width, .height = pipeline->height,
                              .samples = session->hurry ? 1 : settings->spp,
                              .diffuse_only = session->options.diffuse,
                              .background = pipeline->scene->background,
+                             .filter = (PixelFilter)session->options.pixel_filter,
+                             .crop = { (int)crop[0], (int)crop[1], (int)crop[2], (int)crop[3] },
                              .seed = settings->seed, .threads = settings->threads };
     Image *image = render_path(&pipeline->room, &pipeline->camera, &po, &pipeline->path,
                                &session->monitor, err);

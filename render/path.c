@@ -37,6 +37,7 @@ typedef struct {
     Pixel      *pixel;     /* [width * height] */
     PathWave  **wave;      /* [threads] */
     uint64_t   *rays;      /* [tiles] */
+    FilterTable filter;
     uint32_t    tiles_x, tiles;
     uint32_t    batch, begin, count; /* of samples: which, its first, how many */
     double      done;      /* share of the work before this batch, */
@@ -90,18 +91,20 @@ static void store_centre(const Picture *picture, int x, int y)
 /* Paths of one pixel into the wave. */
 static void add_paths(const Picture *picture, PathWave *wave, int x, int y, uint32_t pixel)
 {
-    const uint32_t seed = sampling_seed((uint32_t)x, (uint32_t)y, picture->options.seed,
-                                        picture->batch);
+    const uint32_t seed = sampling_seed((uint32_t)(x + picture->image->left),
+                                        (uint32_t)(y + picture->image->top),
+                                        picture->options.seed, picture->batch);
     const uint32_t eye = sampling_mix(seed + SEED_EYE), glass = sampling_mix(seed + SEED_LENS);
     const bool     blur = camera_rays_blur(&picture->camera);
     for (uint32_t i = 0; i < picture->count; i++) {
-        float u[2], lens[2];
-        Ray   ray;
+        double at[2];
+        float  u[2], lens[2];
+        Ray    ray;
         sampling_sobol2(i, eye, u);
         if (blur)
             sampling_sobol2(i, glass, lens);
-        if (eye_ray(&picture->camera, x + (double)u[0], y + (double)u[1], blur ? lens : NULL,
-                    &ray))
+        filter_table_offset(&picture->filter, u, at);
+        if (eye_ray(&picture->camera, x + at[0], y + at[1], blur ? lens : NULL, &ray))
             path_wave_add(wave, &ray, pixel, seed, i);
     }
 }
@@ -262,13 +265,13 @@ static bool picture_prepare(Picture *picture, Error *err)
     bool         specular = false;
     o->samples = o->samples > 0 ? o->samples : SAMPLES_DEFAULT;
     o->threads = parallel_threads(o->threads);
-    picture->image = image_create(o->width, o->height, err);
+    picture->image = image_create_part(o->width, o->height, o->crop, err);
     if (picture->image == NULL || !image_add_deviation(picture->image, err))
         return false;
-    picture->tiles_x = ((uint32_t)o->width + TILE - 1) / TILE;
-    picture->tiles = picture->tiles_x * (((uint32_t)o->height + TILE - 1) / TILE);
-    picture->pixel = array_create((size_t)o->width * (size_t)o->height, sizeof *picture->pixel,
-                                  "picture", err);
+    picture->tiles_x = ((uint32_t)picture->image->width + TILE - 1) / TILE;
+    picture->tiles = picture->tiles_x * (((uint32_t)picture->image->height + TILE - 1) / TILE);
+    picture->pixel = array_create((size_t)picture->image->width * (size_t)picture->image->height,
+                                  sizeof *picture->pixel, "picture", err);
     picture->rays = array_create(picture->tiles, sizeof *picture->rays, "picture", err);
     picture->wave = array_create(o->threads, sizeof *picture->wave, "picture", err);
     for (unsigned i = 0; i < o->threads && !error_is_set(err); i++)
@@ -307,6 +310,8 @@ Image *render_path(const Room *room, const Camera *camera, const PathOptions *op
     picture.scene.options = &picture.options;
     if (picture_prepare(&picture, err)) {
         camera_rays_init(&picture.camera, camera, options->width, options->height);
+        camera_rays_crop(&picture.camera, picture.image->left, picture.image->top);
+        filter_table_init(&picture.filter, options->filter);
         render_batches(&picture, err);
         fill_image(&picture, report);
     }

@@ -23,13 +23,15 @@
 #include "scenes/scene.h"
 
 typedef struct {
-    int      width, height;
+    int      width, height; /* of the whole picture */
     uint32_t samples;      /* paths per pixel; 0: 64. With `error`: no more than these */
     double   error;        /* > 0: until the picture's relative standard error is below */
     bool     diffuse_only; /* leave mirrors, glass and gloss out */
     Rgb      background;
     uint32_t seed;
     unsigned threads;
+    PixelFilter filter;
+    int      crop[4];      /* left, top, right, bottom of the part to make; all 0: the whole */
 } PathOptions;
 
 typedef struct {

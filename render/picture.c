@@ -2,8 +2,8 @@
 /* The picture: eye's rays through every pixel, mirrors and glass on the way, light where they end.
  *
  * A pixel is the mean over its square, or of more around it, sampled at points of a scrambled
- * Sobol' sequence; each kind of choice has a sequence of its own that runs on through all samples of the
- * pixel. Tiles are independent, so threads change nothing.
+ * Sobol' sequence; each kind of choice has a sequence of its own that runs on through all samples
+ * of the pixel. Tiles are independent, so threads change nothing.
  */
 #include <assert.h>
 #include <string.h>

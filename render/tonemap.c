@@ -89,7 +89,8 @@ void tonemap_row(const float *radiance, int width, int y, const ImageTone *tone,
     for (int x = 0; x < width; x++) {
         const double threshold = (dither_rank((unsigned)x & 7, (unsigned)y & 7) + 0.5) / 64;
         for (int k = 0; k < 3; k++) {
-            const double level = 255 * tonemap_srgb(tonemap_by(tone->curve, scale * radiance[3 * x + k]));
+            const double shown = tonemap_by(tone->curve, scale * radiance[3 * x + k]);
+            const double level = 255 * tonemap_srgb(shown);
             const double byte = floor(level + threshold);
             out[3 * x + k] = (uint8_t)(byte > 255 ? 255 : byte);
         }

@@ -315,7 +315,8 @@ static void png_holds_known_greys(void **state)
         Image *image = image_create(16, 8, &err);
         for (int k = 0; k < 3 * 16 * 8; k++)
             image->radiance[k] = greys[i].linear / 4; /* and exposed by 2 EV */
-        assert_true(image_write_png(image, &(ImageTone){ .exposure = 2 }, &info, scratch_path(*state, "a.png"), &err));
+        assert_true(image_write_png(image, &(ImageTone){ .exposure = 2 }, &info,
+                                    scratch_path(*state, "a.png"), &err));
         image_destroy(image);
         png_image png = { .version = PNG_IMAGE_VERSION };
         assert_true(png_image_begin_read_from_file(&png, scratch_path(*state, "a.png")));
