@@ -1,13 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* isolux compare: the error of one picture, or one solution, against another, in luminance. */
+#include <math.h>
 #include <string.h>
 #include <strings.h>
 
 #include "app/commands.h"
 #include "app/compare_ply.h"
+#include "app/output.h"
 #include "app/summary.h"
 #include "base/array.h"
+#include "math/rgb.h"
 #include "render/compare.h"
+#include "render/false_colour.h"
 #include "render/image.h"
 
 static void say_comparison(Session *session, const Comparison *c)
@@ -46,6 +50,34 @@ static bool write_json(const Session *session, const Comparison *c, Error *err)
     return summary_finish(&summary, session, err);
 }
 
+/* The difference of luminance, in per cent of the reference's mean, as a PNG in two colours. The
+ * scale ends at four times the error, so that what sticks out of noise shows. */
+static bool write_difference(const Session *session, const float *reference, const float *picture,
+                             int width, int height, const Comparison *c, Error *err)
+{
+    static const double SIGMAS = 4, LEAST = 1e-6; /* per cent: equal pictures have a scale too */
+    const Options *options = &session->options;
+    const double   error = fmax(100 * SIGMAS * c->all_error, LEAST);
+    const size_t   n = (size_t)width * (size_t)height;
+    FalseColour    scale = { .low = -error, .high = error, .signs = true };
+    float         *values = array_create(n, sizeof *values, "difference", err);
+    if (options_given(options, OPTION_RANGE)) {
+        scale.low = options->range[0];
+        scale.high = options->range[1];
+    }
+    for (size_t i = 0; values != NULL && i < n; i++) {
+        const float *a = reference + 3 * i, *b = picture + 3 * i;
+        values[i] = (float)(100 / c->mean *
+                            (rgb_luminance(rgb(b[0], b[1], b[2])) -
+                             rgb_luminance(rgb(a[0], a[1], a[2]))));
+    }
+    const ImageInfo info = { .version = ISOLUX_VERSION, .scene = options->other };
+    const bool ok = values != NULL && false_colour_write(values, width, height, &scale, "%", &info,
+                                                         options->output, err);
+    array_free(values);
+    return ok;
+}
+
 static bool compare_pictures(Session *session, Error *err)
 {
     const Options *options = &session->options;
@@ -58,6 +90,8 @@ static bool compare_pictures(Session *session, Error *err)
                   options->scene, width, height, options->other, other_width, other_height);
     if (!error_is_set(err))
         image_compare(reference, picture, width, height, options->lamp, &comparison, err);
+    if (!error_is_set(err) && options->output != NULL)
+        write_difference(session, reference, picture, width, height, &comparison, err);
     array_free(picture);
     array_free(reference);
     if (error_is_set(err))
@@ -165,6 +199,9 @@ bool cmd_compare(Pipeline *pipeline, int *exit_code, Error *err)
     const bool ply = is_ply(options->scene);
     *exit_code = 0;
     session->told = true;
+    if (options->output != NULL && (ply || !output_ends(options->output, ".png")))
+        return error_set(err, ERROR_USAGE, "-o of compare is a picture of the difference between "
+                         "two pictures, and ends in .png");
     if (ply != is_ply(options->other))
         return error_set(err, ERROR_USAGE, "compare takes two pictures (.exr) or two solved "
                          "meshes (.ply), not one of each");

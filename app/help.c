@@ -59,7 +59,8 @@ static const CommandHelp command_help[] = {
       "  isolux bench room.glb --json bench.json\n", NULL },
     { COMMAND_COMPARE, "REFERENCE.exr PICTURE.exr", "how far one picture is from another",
       "  isolux compare reference.exr room.exr\n"
-      "  isolux compare reference.exr room.exr --json -\n",
+      "  isolux compare reference.exr room.exr --json -\n"
+      "  isolux compare reference.exr room.exr -o difference.png\n",
       "Errors are root mean squares of the difference in luminance, relative to the reference's\n"
       "mean. Left out: lamps and two pixels around them, and black background. smooth: without\n"
       "silhouettes; block: smooth pixels in means of 8 x 8, so without pixel noise.\n" },

@@ -52,6 +52,21 @@ void false_colour_at(double place, uint8_t rgb[3])
         rgb[k] = (uint8_t)lround(255 * tonemap_srgb(fmin(1, fmax(0, linear[k]))));
 }
 
+void false_colour_of(const FalseColour *scale, double place, uint8_t rgb[3])
+{
+    /* Lightness grows with the amount on both sides alike. */
+    static const double DARK = 0.12, LIGHT = 0.75, RED = 29, BLUE = 245, CHROMA = 0.12;
+    if (!scale->signs) {
+        false_colour_at(place, rgb);
+        return;
+    }
+    const double v = 2 * (place > 0 ? fmin(place, 1) : 0) - 1, t = fabs(v);
+    double linear[3];
+    from_oklch(DARK + (LIGHT - DARK) * t, CHROMA * t, v > 0 ? RED : BLUE, linear);
+    for (int k = 0; k < 3; k++)
+        rgb[k] = (uint8_t)lround(255 * tonemap_srgb(fmin(1, fmax(0, linear[k]))));
+}
+
 double false_colour_place(const FalseColour *scale, double value)
 {
     if (scale->logarithmic)

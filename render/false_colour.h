@@ -19,10 +19,13 @@ typedef struct {
     double low, high;   /* values at the scale's ends; low < high, and low > 0 when logarithmic */
     bool   logarithmic;
     bool   isolines;    /* along the legend's values, from values smoothed over 5 x 5 pixels */
+    bool   signs;       /* blue below 0, red above, dark at 0; low = -high */
 } FalseColour;
 
 /* sRGB bytes of a place on the scale, clamped to 0..1. */
 void false_colour_at(double place, uint8_t rgb[3]);
+/* The same of a scale: its own colours. */
+void false_colour_of(const FalseColour *scale, double place, uint8_t rgb[3]);
 /* Place of a value on the scale: 0..1 within the range. */
 double false_colour_place(const FalseColour *scale, double value);
 

@@ -101,7 +101,7 @@ static void put_legend(Canvas *canvas, const char *label)
         return;
     for (int y = top; y <= bottom; y++) {
         uint8_t rgb[3];
-        false_colour_at((double)(bottom - y) / (bottom - top), rgb);
+        false_colour_of(canvas->scale, (double)(bottom - y) / (bottom - top), rgb);
         put_box(canvas, left, y, left + z * BAR, y + 1, rgb);
     }
     const int n = tick_texts(canvas->scale, text, ticks);
@@ -180,7 +180,7 @@ static void put_values(Canvas *canvas, const float *values)
     static const uint8_t grey[3] = { NOTHING, NOTHING, NOTHING };
     uint8_t table[STEPS + 1][3];
     for (int k = 0; k <= STEPS; k++)
-        false_colour_at((double)k / STEPS, table[k]);
+        false_colour_of(canvas->scale, (double)k / STEPS, table[k]);
     for (int y = 0; y < canvas->height; y++)
         for (int x = 0; x < canvas->picture; x++) {
             const double v = values[(size_t)y * (size_t)canvas->picture + (size_t)x];

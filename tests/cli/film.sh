@@ -54,4 +54,7 @@ ok "no such layer" fails 3 'no channel' develop tests/fuzz/corpus/exr/none-half.
     --false-colour illuminance
 ok "no such file" fails 3 'nothere' develop "$DIR/nothere.exr"
 ok "not a PNG" fails 2 'ends in .png' develop "$DIR/a.exr" -o "$DIR/a.jpg"
+ok "a difference" exits 0 compare "$DIR/perspective.exr" "$DIR/lens.exr" -o "$DIR/e.png"
+ok "it is there" is_png "$DIR/e.png"
+ok "none of meshes" fails 2 'two pictures' compare a.ply b.ply -o "$DIR/e.png"
 finish
