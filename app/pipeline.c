@@ -14,6 +14,7 @@
 #include "app/trace.h"
 #include "base/array.h"
 #include "math/tolerance.h"
+#include "radiosity/mirrors.h"
 #include "scenes/ceiling_light.h"
 
 /* What is asked of closed factors: row sums, reciprocity and balance to 1e-6. */
@@ -77,14 +78,13 @@ static void scale_lights(Scene *scene, double unit_m)
             rgb_scale(scene->lights[i].intensity, 1 / (unit_m * unit_m));
 }
 
-/* The solver and the gather's lamp rays take glass for a black wall: who lights a room through a
- * window must know. */
+/* The stochastic solver takes glass for a black wall: who lights a room through a window must
+ * know. */
 static void warn_glass(const Pipeline *pipeline)
 {
     const Polygons *soup = &pipeline->scene->polygons;
     const Session *session = pipeline->session;
-    const unsigned lit = COMMAND_RENDER | COMMAND_SOLVE | COMMAND_MEASURE;
-    if ((lit & (unsigned)session->options.command) == 0)
+    if (!session->settings.stochastic || session->options.command == COMMAND_FACTORS)
         return;
     for (size_t i = 0; i < soup->material_count; i++)
         if (rgb_max(soup->materials[i].transmittance) > 0) {
@@ -106,7 +106,6 @@ bool pipeline_read(Pipeline *pipeline, Error *err)
         scale_lights(pipeline->scene, session->options.unit_m);
         if (options_given(&session->options, OPTION_UP))
             pipeline->scene->up = vec3_unit(session->options.up);
-        warn_glass(pipeline);
         changes_read(&pipeline->changes, &session->options, pipeline->scene, err);
     }
     pipeline_note(pipeline, STAGE_READ, begin);
@@ -266,6 +265,15 @@ static bool find_sides(Pipeline *pipeline, Error *err)
     return done;
 }
 
+/* Factors are asked for as geometry alone; rays that light is shot by do not follow mirrors. */
+static bool light_goes_on(const Pipeline *pipeline)
+{
+    const Polygons *soup = &pipeline->scene->polygons;
+    const Session *session = pipeline->session;
+    return session->options.command != COMMAND_FACTORS && !session->settings.stochastic &&
+           mirrors_exist(soup->materials, soup->material_count);
+}
+
 void pipeline_room(Pipeline *pipeline)
 {
     pipeline->room = (Room){
@@ -279,6 +287,7 @@ void pipeline_room(Pipeline *pipeline)
         .sides = pipeline->sides,
         .emitting = pipeline->emitting,
         .sides_given = pipeline->sides_given,
+        .mirrors = light_goes_on(pipeline),
         .offset = ray_offset(pipeline->surfaces->largest_coordinate),
     };
 }
@@ -320,6 +329,8 @@ bool pipeline_patches(Pipeline *pipeline, Error *err)
         return false;
     pipeline_room(pipeline);
     pipeline_stochastic_choose(pipeline, pipeline->patches->count);
+    pipeline->room.mirrors = light_goes_on(pipeline);
+    warn_glass(pipeline);
     pipeline_note(pipeline, STAGE_MESH, begin);
     if (pipeline->patches->count == 0)
         return error_set(err, ERROR_INPUT, "%s: no side of any surface can be reached by light "
@@ -338,8 +349,8 @@ bool pipeline_problem(Pipeline *pipeline, Error *err)
     if (pipeline->emission == NULL || pipeline->reflectance == NULL)
         return false;
     for (uint32_t i = 0; i < patches->count; i++) {
-        const Rgb e = room_emission(&pipeline->room, i);
-        const Rgb rho = pipeline->room.materials[patches->material[i]].reflectance;
+        Rgb e, rho;
+        mirrors_problem(&pipeline->room, i, &e, &rho);
         memcpy(pipeline->emission + ROOM_BANDS * i, (double[]){ e.r, e.g, e.b },
                sizeof(double[ROOM_BANDS]));
         memcpy(pipeline->reflectance + ROOM_BANDS * i, (double[]){ rho.r, rho.g, rho.b },

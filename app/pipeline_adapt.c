@@ -8,6 +8,7 @@
 
 #include "app/saving.h"
 #include "base/array.h"
+#include "radiosity/mirrors.h"
 #include "radiosity/adapt.h"
 
 /* Patches at the beginning for one wanted. Where light changes little they stay as they are;
@@ -107,8 +108,8 @@ static bool set_problem(const Room *room, Pass *pass, Error *err)
     pass->emission = array_create(n, sizeof *pass->emission, "emission", err);
     pass->reflectance = array_create(n, sizeof *pass->reflectance, "reflectance", err);
     for (uint32_t i = 0; i < count && !error_is_set(err); i++) {
-        const Rgb e = room_emission(room, i);
-        const Rgb rho = room->materials[room->patches->material[i]].reflectance;
+        Rgb e, rho;
+        mirrors_problem(room, i, &e, &rho);
         memcpy(pass->emission + (size_t)ROOM_BANDS * i, (double[]){ e.r, e.g, e.b },
                sizeof(double[ROOM_BANDS]));
         memcpy(pass->reflectance + (size_t)ROOM_BANDS * i, (double[]){ rho.r, rho.g, rho.b },

@@ -10,6 +10,7 @@
 #include "app/ply_read.h"
 #include "base/array.h"
 #include "base/file.h"
+#include "radiosity/mirrors.h"
 
 /* Exitance over this is the radiance of a diffuse surface. */
 static const double PI = 3.14159265358979323846;
@@ -20,6 +21,7 @@ typedef struct {
     const Pipeline *pipeline;
     FILE           *out;
     double         *radiosity, *irradiance; /* [vertices * ROOM_BANDS] */
+    double         *sent;                   /* [patches * ROOM_BANDS]  radiosity */
     double          scale;                  /* radiosity to display */
     bool            wide;                   /* some face has more than 255 corners */
 } Ply;
@@ -58,6 +60,12 @@ static void put_bands(Record *record, const double *value)
 {
     for (int band = 0; band < ROOM_BANDS; band++)
         put_float(record, value[band]);
+}
+
+static void put_scaled(Record *record, const double *value, double scale)
+{
+    for (int band = 0; band < ROOM_BANDS; band++)
+        put_float(record, scale * value[band]);
 }
 
 static void write_record(FILE *out, Record *record)
@@ -181,11 +189,13 @@ static void put_face(const Ply *ply, Record *record, uint32_t face)
     const uint32_t numbers[] = { i, surface, p->side[i], p->group[i], p->material[i] };
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
         put_bytes(record, numbers[k], 4);
+    /* Of a mirror's share that does not go on, the solver knows more per area (mirrors.h). */
+    const double kept = mirrors_kept(&pipeline->room, i);
     put_float(record, share * p->area[i]);
-    put_float(record, share * pipeline->links->area[i]);
-    put_bands(record, pipeline->solution->radiosity + at);
+    put_float(record, share * (kept > 0 ? pipeline->links->area[i] / kept : p->area[i]));
+    put_bands(record, ply->sent + at);
     put_bands(record, pipeline->solution->irradiance + at);
-    put_bands(record, pipeline->reflectance + at);
+    put_scaled(record, pipeline->reflectance + at, kept);
     write_record(ply->out, record);
 }
 
@@ -206,10 +216,13 @@ static bool ply_prepare(Ply *ply, Error *err)
     const size_t n = (size_t)p->vertex_count * ROOM_BANDS;
     ply->radiosity = array_create(n, sizeof(double), "vertex values", err);
     ply->irradiance = array_create(n, sizeof(double), "vertex values", err);
-    if (ply->radiosity == NULL || ply->irradiance == NULL)
+    ply->sent = array_create((size_t)p->count * ROOM_BANDS, sizeof(double), "radiosity", err);
+    if (error_is_set(err))
         return false;
-    if (!vertex_radiosity(p, pipeline->links->area, ROOM_BANDS, pipeline->solution->radiosity,
-                          ply->radiosity, err) ||
+    for (size_t i = 0; i < (size_t)p->count * ROOM_BANDS; i++)
+        ply->sent[i] = pipeline->solution->radiosity[i] *
+                       mirrors_kept(&pipeline->room, (uint32_t)(i / ROOM_BANDS));
+    if (!vertex_radiosity(p, pipeline->links->area, ROOM_BANDS, ply->sent, ply->radiosity, err) ||
         !vertex_radiosity(p, pipeline->links->area, ROOM_BANDS, pipeline->solution->irradiance,
                           ply->irradiance, err))
         return false;
@@ -239,6 +252,7 @@ bool ply_write(Pipeline *pipeline, const char *path, Error *err)
         put_faces(&ply);
     }
     array_free(ply.radiosity);
+    array_free(ply.sent);
     array_free(ply.irradiance);
     const bool written = file != NULL && outfile_commit(file, err);
     pipeline_note(pipeline, STAGE_WRITE, begin);

@@ -10,6 +10,7 @@
 #include "base/parallel.h"
 #include "math/sampling.h"
 #include "radiosity/internal.h"
+#include "radiosity/mirrors.h"
 #include "radiosity/visible.h"
 
 static const uint32_t DEFAULT_SAMPLES = 64;
@@ -84,8 +85,12 @@ static double sum_arriving(DirectPass *d, DirectScratch *s, uint32_t patch, cons
     bvh_blocked_many(room->bvh, s->ray, s->blocked, aimed);
     s->rays += aimed;
     double sum = 0;
-    for (uint32_t k = 0; k < aimed; k++)
-        sum += s->blocked[k] ? 0 : s->value[k];
+    for (uint32_t k = 0; k < aimed; k++) {
+        if (!s->blocked[k])
+            sum += s->value[k];
+        else if (room->mirrors)
+            sum += s->value[k] * mirrors_between(room, s->ray[k]);
+    }
     return sum;
 }
 
@@ -122,6 +127,24 @@ static Vec3 light_direction(const Light *light, double a, double b)
                     v);
 }
 
+/* Whether light on its way from a light without size reaches no patch, or one by way of a mirror or
+ * bent by glass, which no ray from there finds. */
+static bool is_lost(const Room *room, Ray *ray, uint32_t seed)
+{
+    bool     straight = true;
+    uint32_t surface;
+    double   s, t;
+    Hit      hit;
+    for (uint32_t step = 0; bvh_nearest(room->bvh, ray, &hit); step++) {
+        const double choice = sampling_mix(seed + step) * 0x1p-32;
+        if (!room->mirrors || step == MIRRORS_MOST ||
+            !mirrors_step(room, &hit, choice, ray, &straight))
+            return !straight || room_patch(room, &hit, vec3(ray->dx, ray->dy, ray->dz), &surface,
+                                           &s, &t) == PATCH_NONE;
+    }
+    return true;
+}
+
 static void escape_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
 {
     DirectPass *d = context;
@@ -132,16 +155,12 @@ static void escape_chunk(void *context, uint32_t begin, uint32_t end, unsigned w
         float x[2];
         sampling_sobol2(k, seed, x);
         const Vec3 w = light_direction(d->light, x[0], x[1]);
-        const Ray ray = { .ox = (float)o.x, .oy = (float)o.y, .oz = (float)o.z, .t_min = 0,
+        Ray ray = { .ox = (float)o.x, .oy = (float)o.y, .oz = (float)o.z, .t_min = 0,
                           .dx = (float)w.x, .dy = (float)w.y, .dz = (float)w.z,
                           .t_max = INFINITY };
         const double share = light_share(d->light, w);
-        Hit hit;
-        uint32_t surface;
-        double s, t;
         sent += share;
-        if (!bvh_nearest(d->room->bvh, &ray, &hit) ||
-            room_patch(d->room, &hit, w, &surface, &s, &t) == PATCH_NONE)
+        if (is_lost(d->room, &ray, sampling_seed(seed, k, SEED_MIRRORS, 0)))
             lost += share;
     }
     d->sent[begin / ESCAPE_CHUNK] = sent;

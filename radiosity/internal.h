@@ -91,6 +91,7 @@ typedef struct {
 /* Seeds of what is sampled here differ by these, so that no two use the same points. */
 enum { SEED_ROWS = 0x726f7773, SEED_LAMPS = 0x6c616d70, SEED_LIGHTS = 0x6c697465,
        SEED_SIDES = 0x73696465, SEED_PARTS = 0x70617274, SEED_ADAPT = 0x61647074,
+       SEED_MIRRORS = 0x6d697272,
        SEED_GROUPS = 0x67727073,
        SEED_POINTS = 0x706f696e };
 
@@ -151,7 +152,9 @@ typedef struct {
     bool         *blocked;     /* [lamp_rays] */
     uint32_t      sample_count;
     double        sample_scale;/* on all shares */
+    uint32_t      seed;        /* of the rays' points */
     double       *cosine;      /* [rays]  at the patch */
+    bool         *turned;      /* [rays]  by a mirror: no lamp's sample finds the same way */
     uint32_t     *cell;        /* [rays]  its position */
     uint32_t     *start;       /* [rays]  the surface it leaves */
     double       *weight;      /* [rays]  of the place it leaves */
@@ -180,12 +183,14 @@ uint32_t row_cast_positions(RowCast *row, const Room *room, uint32_t patch, uint
  * find their hits, judge the positions, make the rays to lamps, let them be found blocked or not,
  * finish. */
 void row_cast_rays(RowCast *row, const Room *room, uint32_t patch, uint32_t seed);
+/* Where rays go on at mirrors, after their first hits. */
+void row_cast_follow(RowCast *row, const Room *room);
 void row_cast_judge(RowCast *row, const Room *room);
 void row_cast_aim(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch,
                   uint32_t seed);
 void row_cast_finish(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch);
-/* Adds the shares of rays to lamps that nothing blocked. */
-void row_cast_lamps(RowCast *row);
+/* Adds the shares of rays to lamps that nothing blocked, or panes alone. */
+void row_cast_lamps(RowCast *row, const Room *room);
 /* A share that arrived at a patch. */
 void row_cast_add(RowCast *row, uint32_t patch, double share);
 
@@ -316,6 +321,7 @@ typedef struct {
 typedef struct {
     const Surfaces *surfaces;
     const Bvh      *bvh;
+    const Material *materials;
     const Monitor  *monitor;
     uint32_t  rays, seed;
     unsigned  threads;
@@ -333,7 +339,8 @@ typedef struct {
 } Reach;
 
 bool reach_create(Reach *reach, const Surfaces *surfaces, const Bvh *bvh,
-                  const SidesOptions *options, const Monitor *monitor, Error *err);
+                  const Material *materials, const SidesOptions *options,
+                  const Monitor *monitor, Error *err);
 void reach_clear(Reach *reach);
 /* Marks a place as in reach. */
 void reach_add(Reach *reach, Place place);

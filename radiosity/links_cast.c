@@ -7,6 +7,7 @@
 #include "base/array.h"
 #include "math/sampling.h"
 #include "radiosity/internal.h"
+#include "radiosity/mirrors.h"
 #include "radiosity/visible.h"
 
 /* Cells of a grid with RAYS_PER_POSITION points of the net in each, if rays are a power of two. */
@@ -37,6 +38,7 @@ bool row_cast_allocate(RowCast *row, uint32_t rays, uint32_t lamp_rays, uint32_t
     row->end = array_create(n * rays, sizeof *row->end, what, err);
     row->hit = array_create(n * rays, sizeof *row->hit, what, err);
     row->cosine = array_create(n * rays, sizeof *row->cosine, what, err);
+    row->turned = array_create(n * rays, sizeof *row->turned, what, err);
     row->cell = array_create(n * rays, sizeof *row->cell, what, err);
     row->start = array_create(n * rays, sizeof *row->start, what, err);
     row->weight = array_create(n * rays, sizeof *row->weight, what, err);
@@ -63,6 +65,7 @@ void row_cast_clear(RowCast *row)
     array_free(row->lamp_ray);
     array_free(row->blocked);
     array_free(row->cosine);
+    array_free(row->turned);
     array_free(row->cell);
     array_free(row->start);
     array_free(row->weight);
@@ -99,6 +102,7 @@ static void make_rays(RowCast *row, const Room *room, uint32_t patch, uint32_t s
     for (uint32_t p = 0; p < row->positions; p++)
         row->position[p] = (CastPosition){ .good = 0 };
     row->patch = patch;
+    row->seed = seed;
     for (uint32_t k = 0; k < row->rays; k++) {
         float x[4];
         PatchPoint at;
@@ -127,6 +131,37 @@ static void make_rays(RowCast *row, const Room *room, uint32_t patch, uint32_t s
 static Vec3 ray_direction(const Ray *ray)
 {
     return vec3(ray->dx, ray->dy, ray->dz);
+}
+
+/* Ray k from the mirror that it met on, until it ends. Its way so far stays part of the hit's t
+ * when it was straight: seen from the patch, that is how far the end lies. */
+static void follow_ray(RowCast *row, const Room *room, uint32_t k)
+{
+    double far = 0;
+    bool   straight = true;
+    assert(k < row->rays);
+    for (uint32_t step = 0; step < MIRRORS_MOST && row->hit[k].primitive != RAY_MISS; step++) {
+        float x[2];
+        const float way = row->hit[k].t;
+        sampling_sobol2(k, sampling_seed(row->seed, step, SEED_MIRRORS, 0), x);
+        if (!mirrors_step(room, &row->hit[k], x[0], &row->ray[k], &straight))
+            break;
+        far += way;
+        row->cast++;
+        bvh_nearest(room->bvh, &row->ray[k], &row->hit[k]);
+    }
+    row->turned[k] = !straight;
+    if (straight)
+        row->hit[k].t += (float)far;
+}
+
+void row_cast_follow(RowCast *row, const Room *room)
+{
+    for (uint32_t k = 0; k < row->rays; k++) {
+        row->turned[k] = false;
+        if (room->mirrors)
+            follow_ray(row, room, k);
+    }
 }
 
 /* Resolves all hits, counts each position's good and bad rays, and returns how many rays stay. A
@@ -172,7 +207,7 @@ static double hemisphere_weight(const RowCast *row, const Room *room, const Lamp
                                 uint32_t k, uint32_t rays)
 {
     const RayEnd *end = &row->end[k];
-    if (row->lamp_rays == 0 || !(lamps->probability[end->patch] > 0))
+    if (row->lamp_rays == 0 || !(lamps->probability[end->patch] > 0) || row->turned[k])
         return 1;
     assert(row->cosine[k] > 0);
     const Hit *hit = &row->hit[k];
@@ -199,7 +234,8 @@ static void add_hemisphere(RowCast *row, const Room *room, const LampTable *lamp
         const RayEnd *end = &row->end[k];
         if (p->good == 0 || (end->patch == PATCH_NONE && !end->escaped))
             continue;
-        const double share = row->weight[k] / p->good_weight * p->weight / weights;
+        const double share = row->weight[k] / p->good_weight * p->weight / weights *
+                             mirrors_weight(room, row->patch, row->cosine[k]);
         if (end->escaped)
             row->escape += share;
         else
@@ -276,6 +312,7 @@ uint32_t row_cast_positions(RowCast *row, const Room *room, uint32_t patch, uint
 {
     row_cast_rays(row, room, patch, seed);
     bvh_nearest_many(room->bvh, row->ray, row->hit, row->rays);
+    row_cast_follow(row, room);
     row_cast_judge(row, room);
     return row->good_rays;
 }
@@ -284,10 +321,11 @@ void row_cast_finish(RowCast *row, const Room *room, const LampTable *lamps, uin
 {
     row->keys = 0;
     row->escape = 0;
-    row->area = room->patches->area[patch] * visible_share(row);
-    if (row->good_rays > 0) {
+    const double kept = mirrors_kept(room, patch);
+    row->area = room->patches->area[patch] * visible_share(row) * kept;
+    if (row->good_rays > 0 && kept > 0) {
         add_hemisphere(row, room, lamps, row->good_rays);
-        row_cast_lamps(row);
+        row_cast_lamps(row, room);
     }
     row->escape = fmin(row->escape, 1);
     gather_row(row);

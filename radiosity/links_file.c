@@ -10,6 +10,7 @@
 #include "base/array.h"
 #include "base/file.h"
 #include "radiosity/internal.h"
+#include "radiosity/mirrors.h"
 
 typedef struct {
     char     magic[8];
@@ -201,6 +202,19 @@ static uint64_t hash_patches(const Room *room, uint64_t hash)
     return hash;
 }
 
+/* Mirrors and glass decide where rays go on; without them the key is that of the geometry. */
+static uint64_t hash_mirrors(const Room *room, uint64_t hash)
+{
+    for (size_t i = 0; room->mirrors && i < room->material_count; i++) {
+        const Material *m = &room->materials[i];
+        const bool      is = mirrors_is(m);
+        const double    v[] = { is, is ? rgb_luminance(m->specular) : 0,
+                                is ? rgb_luminance(m->transmittance) : 0, is ? m->ior : 0 };
+        hash = file_hash(v, sizeof v, hash);
+    }
+    return hash;
+}
+
 uint64_t links_key(const Room *room, const LinksOptions *options)
 {
     const Surfaces *s = room->surfaces;
@@ -214,7 +228,7 @@ uint64_t links_key(const Room *room, const LinksOptions *options)
     hash = file_hash(s->triangle_surface, s->triangle_count * sizeof *s->triangle_surface, hash);
     for (uint32_t i = 0; i < s->shape_count; i++)
         hash = hash_shape(&s->shape[i], hash);
-    return hash_patches(room, hash);
+    return hash_mirrors(room, hash_patches(room, hash));
 }
 
 /* --- loading ---------------------------------------------------------------------------------- */

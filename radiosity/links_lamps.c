@@ -8,6 +8,7 @@
 #include "base/array.h"
 #include "math/sampling.h"
 #include "radiosity/internal.h"
+#include "radiosity/mirrors.h"
 #include "radiosity/visible.h"
 
 /* Share of the samples that lamps get evenly, not by their power: a weak one may be the only light
@@ -151,6 +152,11 @@ static LampSample aim(const LampAim *a, const PatchPoint *from, double u, double
     return sample;
 }
 
+static double cosine_of(const Ray *ray, Vec3 normal)
+{
+    return vec3_dot(vec3_unit(vec3(ray->dx, ray->dy, ray->dz)), normal);
+}
+
 /* Place and lamp are the four coordinates of one net, so that they are spread together. Only where
  * a part of the patch is hidden, the places are those found to be outside solids. */
 void row_cast_aim(RowCast *row, const Room *room, const LampTable *lamps, uint32_t patch,
@@ -176,6 +182,9 @@ void row_cast_aim(RowCast *row, const Room *room, const LampTable *lamps, uint32
         weights += from.weight;
         LampSample sample = aim(&common, &from, x[2], x[3], &row->lamp_ray[row->sample_count]);
         sample.share *= from.weight;
+        if (room->mirrors && sample.share > 0)
+            sample.share *= mirrors_weight(room, patch, cosine_of(&row->lamp_ray[row->sample_count],
+                                                                  from.point.normal));
         if (sample.share > 0)
             row->sample[row->sample_count++] = sample;
     }
@@ -183,9 +192,14 @@ void row_cast_aim(RowCast *row, const Room *room, const LampTable *lamps, uint32
     row->sample_scale = weights > 0 ? row->lamp_rays / weights : 0;
 }
 
-void row_cast_lamps(RowCast *row)
+void row_cast_lamps(RowCast *row, const Room *room)
 {
-    for (uint32_t k = 0; k < row->sample_count; k++)
-        if (!row->blocked[k])
-            row_cast_add(row, row->sample[k].lamp, row->sample[k].share * row->sample_scale);
+    for (uint32_t k = 0; k < row->sample_count; k++) {
+        double pass = row->blocked[k] ? 0 : 1;
+        if (row->blocked[k] && room->mirrors)
+            pass = mirrors_between(room, row->lamp_ray[k]);
+        if (pass > 0)
+            row_cast_add(row, row->sample[k].lamp,
+                         row->sample[k].share * row->sample_scale * pass);
+    }
 }

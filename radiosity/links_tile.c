@@ -26,6 +26,7 @@ bool row_tile_create(RowTile *tile, uint32_t rays, uint32_t lamp_rays, Error *er
         row->hit += (size_t)k * rays;
         row->end += (size_t)k * rays;
         row->cosine += (size_t)k * rays;
+        row->turned += (size_t)k * rays;
         row->cell += (size_t)k * rays;
         row->start += (size_t)k * rays;
         row->weight += (size_t)k * rays;
@@ -55,6 +56,7 @@ void row_tile_cast(RowTile *tile, const Room *room, const LampTable *lamps, cons
     bvh_nearest_many(room->bvh, tile->all.ray, tile->all.hit, (size_t)count * rays);
     for (uint32_t k = 0; k < count; k++) {
         RowCast *row = &tile->row[k];
+        row_cast_follow(row, room);
         row_cast_judge(row, room);
         row->lamp_ray = tile->all.lamp_ray + to_lamps; /* without gaps */
         row->blocked = tile->all.blocked + to_lamps;

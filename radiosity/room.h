@@ -31,6 +31,7 @@ typedef struct {
     bool            sides_given;    /* sides were chosen by hand, not found by sight: a ray that
                                        meets one that is not in use is lost, and tells nothing about
                                        where it came from */
+    bool            mirrors;        /* rays go on at mirrors and clear glass (mirrors.h) */
     double          offset;         /* ray_offset(surfaces->largest_coordinate) */
 } Room;
 

@@ -136,7 +136,7 @@ bool sides_find(const Surfaces *surfaces, const Bvh *bvh, const Material *materi
         return true;
     }
     Reach reach;
-    bool done = reach_create(&reach, surfaces, bvh, options, monitor, err);
+    bool done = reach_create(&reach, surfaces, bvh, materials, options, monitor, err);
     if (done) {
         done = start(&reach, lights, light_count, options, emitting, err)
             && reach_spread(&reach, err);

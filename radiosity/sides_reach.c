@@ -39,12 +39,21 @@ enum { BACK_BLOCK = 1 << 15 };
 
 /* --- places ----------------------------------------------------------------------------------- */
 
+static bool is_clear(const Reach *reach, uint32_t surface)
+{
+    const Surface *f = &reach->surfaces->surface[surface];
+    return rgb_max(reach->materials[f->material].transmittance) > 0 ||
+           rgb_max(reach->materials[f->back_material].transmittance) > 0;
+}
+
 bool reach_create(Reach *reach, const Surfaces *surfaces, const Bvh *bvh,
-                  const SidesOptions *options, const Monitor *monitor, Error *err)
+                  const Material *materials, const SidesOptions *options,
+                  const Monitor *monitor, Error *err)
 {
     static const char what[] = "the search for sides in sight";
     const size_t count = surfaces->count;
-    *reach = (Reach){ .surfaces = surfaces, .bvh = bvh, .monitor = monitor,
+    *reach = (Reach){ .surfaces = surfaces, .bvh = bvh, .materials = materials,
+                      .monitor = monitor,
                       .rays = options->rays > 0 ? options->rays : DEFAULT_RAYS,
                       .seed = options->seed, .threads = options->threads,
                       .offset = ray_offset(surfaces->largest_coordinate) };
@@ -59,6 +68,8 @@ bool reach_create(Reach *reach, const Surfaces *surfaces, const Bvh *bvh,
     for (size_t i = 0; i < count; i++)
         area += surfaces->surface[i].area;
     for (size_t i = 0; i < count; i++) {
+        if (is_clear(reach, (uint32_t)i))
+            reach->shell[surfaces->part[i]] = 0; /* sight passes it */
         const double wanted = sqrt(CELLS_WANTED * surfaces->surface[i].area / area);
         reach->grid[i] = (uint16_t)fmax(1, fmin(ceil(wanted), GRID_MAX));
         const uint64_t cells = (uint64_t)reach->grid[i] * reach->grid[i];
@@ -174,18 +185,39 @@ static bool is_free(const Reach *reach, Vec3 from, Vec3 to)
     return !bvh_blocked(reach->bvh, &ray);
 }
 
-/* What a ray from a place towards (a, b) of its hemisphere meets. */
-static Place look_from(const Reach *reach, Place place, double a, double b)
+/* The place that a ray meets: of glass now the glass, now what stands behind it, straight on; the
+ * bits of `turn` decide. *start becomes where the last part of the way begins. */
+static Place look_along(const Reach *reach, Ray ray, Vec3 d, uint32_t turn, Vec3 *start)
+{
+    Hit hit;
+    bvh_nearest(reach->bvh, &ray, &hit);
+    for (; (turn & 1) != 0 && hit.primitive != RAY_MISS; turn >>= 1) {
+        const uint32_t surface = surfaces_of_primitive(reach->surfaces, hit.primitive);
+        if (!is_clear(reach, surface))
+            break;
+        SurfacePoint at;
+        double s, t;
+        surfaces_parameters(reach->surfaces, hit.primitive, hit.u, hit.v, &s, &t);
+        surfaces_point(reach->surfaces, surface, s, t, &at);
+        const double over = vec3_dot(at.normal, d) > 0 ? reach->offset : -reach->offset;
+        *start = vec3_mad(at.point, over, at.normal);
+        ray = ray_leaving(at.point, at.normal, over, d, INFINITY);
+        bvh_nearest(reach->bvh, &ray, &hit);
+    }
+    return place_hit(reach, &hit, d);
+}
+
+/* What ray r from a place towards (a, b) of its hemisphere meets, as look_along. */
+static Place look_from(const Reach *reach, Place place, double a, double b, uint32_t r,
+                       Vec3 *start)
 {
     const SurfacePoint at = place_point(reach, place);
     const Vec3 local = sampling_cosine(a, b);
     Vec3 u, v;
     vec3_frame(at.normal, &u, &v);
     const Vec3 d = vec3_mad(vec3_mad(vec3_scale(at.normal, local.z), local.x, u), local.y, v);
-    const Ray ray = ray_leaving(at.point, at.normal, reach->offset, d, INFINITY);
-    Hit hit;
-    bvh_nearest(reach->bvh, &ray, &hit);
-    return place_hit(reach, &hit, d);
+    return look_along(reach, ray_leaving(at.point, at.normal, reach->offset, d, INFINITY), d, r,
+                      start);
 }
 
 /* A place met from `start`, unless it is known already or lies so close to an edge that what leaves
@@ -219,9 +251,9 @@ static void look_chunk(void *context, uint32_t begin, uint32_t end, unsigned wor
         const Ray ray = { .ox = (float)o.x, .oy = (float)o.y, .oz = (float)o.z,
                           .dx = (float)d.x, .dy = (float)d.y, .dz = (float)d.z,
                           .t_max = INFINITY };
-        Hit hit;
-        bvh_nearest(look->reach->bvh, &ray, &hit);
-        look->reach->found[k] = only_new(look->reach, place_hit(look->reach, &hit, d), o);
+        Vec3 start = o;
+        const Place met = look_along(look->reach, ray, d, k, &start);
+        look->reach->found[k] = only_new(look->reach, met, start);
     }
 }
 
@@ -258,8 +290,9 @@ static void on_chunk(void *context, uint32_t begin, uint32_t end, unsigned worke
             if (r >= rays)
                 continue;
             sampling_sobol2(r, seed, x);
-            reach->found[k * RAYS_ON + r] =
-                only_new(reach, look_from(reach, from, x[0], x[1]), start);
+            Vec3 begin_at = start;
+            const Place met = look_from(reach, from, x[0], x[1], r, &begin_at);
+            reach->found[k * RAYS_ON + r] = only_new(reach, met, begin_at);
         }
     }
 }
@@ -472,10 +505,11 @@ static void look_back(const Back *back, uint32_t side)
         float x[4];
         sampling_sobol4(r, seed, x);
         const Place place = inner_place(reach, side, x[0], x[1]);
-        const Place other = look_from(reach, place, x[2], x[3]);
+        Vec3 start = place_start(reach, place);
+        const Place other = look_from(reach, place, x[2], x[3], r, &start);
         if (other.side == SIDE_NONE)
             continue;
-        if (is_used(reach, other.side) && is_reached(reach, other, place_start(reach, place))) {
+        if (is_used(reach, other.side) && is_reached(reach, other, start)) {
             back->seen[side] = place;
             return;
         }

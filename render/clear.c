@@ -2,8 +2,8 @@
 /* Straight rays through panes, glasses and water. */
 #include "render/clear.h"
 
+#include "math/fresnel.h"
 #include "render/lamps.h"
-#include "render/specular.h"
 
 /* Crossings after which a ray is taken for lost: a window of three panes, four times over. */
 enum { CROSSINGS = 24 };
@@ -24,7 +24,7 @@ static Rgb crossing(const Room *room, const RoomHit *hit, Vec3 way)
         return rgb(0, 0, 0);
     const double cosine = fmin(fmax(-vec3_dot(way, hit->normal), 0), 1);
     const double ior = m->ior > 0 ? m->ior : 1;
-    return rgb_scale(m->transmittance, 1 - specular_fresnel(cosine, ior));
+    return rgb_scale(m->transmittance, 1 - fresnel(cosine, ior));
 }
 
 Rgb clear_nearest(const Room *room, const Ray *ray, Hit *hit)

@@ -8,6 +8,7 @@
 
 #include "base/array.h"
 #include "math/sampling.h"
+#include "radiosity/mirrors.h"
 #include "render/clear.h"
 #include "render/normals.h"
 #include "render/specular.h"
@@ -49,10 +50,11 @@ static bool fill_vertices(Gatherer *g, const Solution *solution, const Links *li
         for (uint32_t i = 0; i < n; i++) {
             const Rgb     e = room_emission(g->room, i);
             const double *b = solution->radiosity + ROOM_BANDS * (size_t)i;
+            const double  kept = mirrors_kept(g->room, i);
             double       *v = value + ROOM_BANDS * (size_t)i;
-            v[0] = fmax(b[0] - e.r, 0); /* rounding */
-            v[1] = fmax(b[1] - e.g, 0);
-            v[2] = fmax(b[2] - e.b, 0);
+            v[0] = fmax(kept * b[0] - e.r, 0); /* rounding */
+            v[1] = fmax(kept * b[1] - e.g, 0);
+            v[2] = fmax(kept * b[2] - e.b, 0);
         }
         if (vertex_radiosity(patches, links->area, ROOM_BANDS, value, vertex, err))
             for (size_t i = 0; i < nv * ROOM_BANDS; i++)

@@ -135,6 +135,7 @@ static void render_tile(const Picture *picture, PathWave *wave, uint32_t tile)
             store_centre(picture, x, y);
         add_paths(picture, wave, x, y, (uint32_t)k);
     }
+    assert(tile < picture->tiles);
     picture->rays[tile] += path_wave_run(wave, &picture->scene, sum);
     for (int k = 0; k < PATH_PIXELS; k++) {
         const int x = x0 + k % TILE, y = y0 + k / TILE;
@@ -190,6 +191,7 @@ static double picture_error(const Picture *picture)
 static uint32_t batch_size(uint32_t samples)
 {
     uint32_t size = BATCH_MOST;
+    assert(samples > 0);
     while (size > 1 && 8 * size > samples)
         size /= 2;
     return size;

@@ -85,6 +85,7 @@ static bool lists_create(PathLamps *lamps, size_t count, Error *err)
 bool path_lamps_init(PathLamps *lamps, const Room *room, Error *err)
 {
     const uint32_t surfaces = room->surfaces->count;
+    assert(surfaces < UINT32_MAX / 2 && room->emitting != NULL);
     size_t         count = room->light_count;
     *lamps = (PathLamps){ .room = room };
     for (uint32_t i = 0; i < 2 * surfaces; i++)
@@ -158,6 +159,7 @@ static const double *shares_at(const PathLamps *lamps, const PathPlace *from,
 static uint32_t lamp_at(const double *below, uint32_t count, double a)
 {
     uint32_t low = 0, high = count;
+    assert(count > 0 && below[0] == 0 && below[count] == 1);
     while (high - low > 1) {
         const uint32_t middle = low + (high - low) / 2;
         *(a < below[middle] ? &high : &low) = middle;
@@ -196,6 +198,7 @@ bool path_lamps_aim(const PathLamps *lamps, const PathPlace *from, const float u
 {
     double        own[PATH_WEIGHED + 1];
     const double *below = shares_at(lamps, from, own);
+    assert(lamps->below != NULL);
     if (below == NULL || lamps->count == 0)
         return false;
     const uint32_t  k = lamp_at(below, lamps->count, u[0]);
@@ -227,6 +230,7 @@ bool path_lamps_aim(const PathLamps *lamps, const PathPlace *from, const float u
 double path_lamps_density(const PathLamps *lamps, const PathPlace *from, const RoomHit *hit)
 {
     const Surfaces *s = lamps->room->surfaces;
+    assert(hit->surface < s->count && hit->side < 2);
     const uint32_t  k = lamps->of_side[hit->side * (size_t)s->count + hit->surface];
     double          own[PATH_WEIGHED + 1];
     const double   *below = shares_at(lamps, from, own);

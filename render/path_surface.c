@@ -2,7 +2,9 @@
 /* Scattering of the path tracer: diffuse, modified Phong [lafortune94], mirrors, glass. */
 #include <assert.h>
 
+#include "math/fresnel.h"
 #include "math/sampling.h"
+#include "radiosity/mirrors.h"
 #include "render/normals.h"
 #include "render/path_internal.h"
 #include "render/specular.h"
@@ -34,7 +36,7 @@ static double index_of(const Material *material)
 static bool bends(const Room *room, const RoomHit *hit, const Material *material)
 {
     return index_of(material) != 1 &&
-           specular_is_skin(&room->surfaces->surface[hit->surface]);
+           mirrors_is_skin(&room->surfaces->surface[hit->surface]);
 }
 
 static Vec3 mirrored(Vec3 in, Vec3 n) { return vec3_mad(in, -2 * vec3_dot(in, n), n); }
@@ -60,9 +62,9 @@ static double glass_share(const PathSurface *surface, const Room *room, double *
     const double    cosine = fmin(fmax(-vec3_dot(surface->in, surface->normal), 0), 1);
     *eta = 1;
     if (!bends(room, &surface->hit, m))
-        return specular_pane(cosine, index_of(m));
+        return fresnel_pane(cosine, index_of(m));
     *eta = surface->hit.side == 1 ? 1 / index_of(m) : index_of(m);
-    return specular_fresnel(cosine, *eta);
+    return fresnel(cosine, *eta);
 }
 
 void path_surface_init(PathSurface *surface, const Room *room, const float *smooth,
@@ -70,6 +72,7 @@ void path_surface_init(PathSurface *surface, const Room *room, const float *smoo
 {
     const Material *m = material_of(room, hit);
     double          eta;
+    assert(m->ior >= 0 && rgb_max(m->reflectance) < 1);
     *surface = (PathSurface){ .material = m, .hit = *hit, .normal = hit->normal, .in = in,
                               .diffuse = rgb_max(m->reflectance) };
     if (!diffuse_only && specular_exists(m)) {
@@ -126,6 +129,7 @@ static bool glass_next(const PathSurface *surface, const Room *room, double choi
     double          eta;
     const double    back = glass_share(surface, room, &eta);
     const double    through = (1 - back) * rgb_max(m->transmittance);
+    assert(back + through > 0 && surface->clear > 0);
     const double    chance = back / (back + through);
     if (choice < chance) {
         const double w = back / (chance * surface->clear);
@@ -151,6 +155,7 @@ bool path_surface_next(const PathSurface *surface, const Room *room, const float
                        PathNext *next)
 {
     const Material *m = surface->material;
+    assert(u[0] >= 0 && u[0] < 1 && u[1] < 1 && u[2] < 1);
     const double    specular = surface->diffuse + surface->gloss;
     if (!(specular + surface->clear > 0))
         return false;
@@ -182,5 +187,5 @@ Rgb path_surface_pane(const Room *room, const RoomHit *hit, Vec3 in)
     if (!(rgb_max(m->transmittance) > 0) || bends(room, hit, m))
         return rgb(0, 0, 0);
     const double cosine = fmin(fabs(vec3_dot(in, hit->normal)), 1);
-    return rgb_scale(m->transmittance, 1 - specular_pane(cosine, index_of(m)));
+    return rgb_scale(m->transmittance, 1 - fresnel_pane(cosine, index_of(m)));
 }

@@ -144,6 +144,7 @@ static bool move_on(const PathScene *scene, Path *path, const PathSurface *surfa
         path->seen = rgb_mul(path->seen, rgb(fmax(1 - diffuse.r, 0), fmax(1 - diffuse.g, 0),
                                              fmax(1 - diffuse.b, 0)));
     }
+    assert(isfinite(rgb_max(next.weight)) && next.density >= 0);
     path->throughput = rgb_mul(path->throughput, next.weight);
     path->bounces++;
     if (!next.straight) {
@@ -220,6 +221,7 @@ static Rgb pass_of(const PathScene *scene, Ray ray, uint64_t *rays)
 static uint64_t cast_shadows(PathWave *wave, const PathScene *scene, uint32_t count, PathSum *sum)
 {
     uint64_t rays = count;
+    assert(count <= PATH_WAVE);
     bvh_blocked_many(scene->room->bvh, wave->shadow_ray, wave->blocked, count);
     for (uint32_t i = 0; i < count; i++) {
         const Shadow *shadow = &wave->shadow[i];
@@ -236,6 +238,7 @@ static uint64_t cast_shadows(PathWave *wave, const PathScene *scene, uint32_t co
 uint64_t path_wave_run(PathWave *wave, const PathScene *scene, PathSum *sum)
 {
     uint64_t rays = 0;
+    assert(sum != NULL && scene->room != NULL && scene->options != NULL);
     while (wave->count > 0) {
         uint32_t next = 0, shadows = 0;
         for (uint32_t i = 0; i < wave->count; i++)

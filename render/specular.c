@@ -4,6 +4,8 @@
 
 #include <assert.h>
 
+#include "math/fresnel.h"
+#include "radiosity/mirrors.h"
 #include "render/lamps.h"
 
 /* A material that has a specular colour but no exponent: a soft gloss. */
@@ -14,39 +16,9 @@ bool specular_exists(const Material *material)
     return rgb_max(material->specular) > 0 || rgb_max(material->transmittance) > 0;
 }
 
-double specular_fresnel(double cosine, double eta)
-{
-    assert(eta > 0);
-    const double square = 1 - (1 - cosine * cosine) / (eta * eta);
-    if (square <= 0)
-        return 1; /* total reflection */
-    const double inner = sqrt(square);
-    const double s = (cosine - eta * inner) / (cosine + eta * inner);
-    const double p = (eta * cosine - inner) / (eta * cosine + inner);
-    return (s * s + p * p) / 2;
-}
-
 double specular_exponent(const Material *material)
 {
     return material->exponent > 0 ? material->exponent : EXPONENT_DEFAULT;
-}
-
-double specular_pane(double cosine, double ior)
-{
-    const double f = specular_fresnel(cosine, ior);
-    return 2 * f / (1 + f);
-}
-
-bool specular_is_skin(const Surface *surface)
-{
-    assert(surface != NULL);
-    if (surface->kind == SURFACE_SHAPE)
-        return true;
-    const int edges = surface->kind == SURFACE_QUAD ? 4 : 3;
-    for (int i = 0; i < edges; i++)
-        if (surface->neighbour[i] == SURFACE_NONE)
-            return false;
-    return true;
 }
 
 static Vec3 mirrored(Vec3 in, Vec3 n) { return vec3_mad(in, -2 * vec3_dot(in, n), n); }
@@ -65,9 +37,9 @@ static bool glass(const Room *room, const Material *material, const RoomHit *hit
 {
     const double cosine = fmin(fmax(-vec3_dot(in, normal), 0), 1);
     const double ior = material->ior > 0 ? material->ior : 1;
-    const bool   skin = ior != 1 && specular_is_skin(&room->surfaces->surface[hit->surface]);
+    const bool   skin = ior != 1 && mirrors_is_skin(&room->surfaces->surface[hit->surface]);
     const double eta = skin && hit->side == 1 ? 1 / ior : ior;
-    const double f = skin ? specular_fresnel(cosine, eta) : specular_pane(cosine, ior);
+    const double f = skin ? fresnel(cosine, eta) : fresnel_pane(cosine, ior);
     const double through = (1 - f) * rgb_max(material->transmittance);
     const double chance = f / (f + through);
     if (choice < chance) {

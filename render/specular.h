@@ -18,15 +18,4 @@ bool specular_continue(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 i
 /* Phong exponent of the specular part: INFINITY for a mirror, a soft gloss where none is given. */
 double specular_exponent(const Material *material);
 
-/* Whether a clear surface is the skin of a body, with a neighbour over every edge, and so bends
- * light; a pane with a rim does not. */
-bool specular_is_skin(const Surface *surface);
-
-/* Share of light that a pane sends back by both its faces and all that goes to and fro between
- * them; cosine: of the angle of incidence. */
-double specular_pane(double cosine, double ior);
-
-/* Fresnel's reflectance for unpolarised light; eta: index of the side entered over that left. */
-double specular_fresnel(double cosine, double eta);
-
 #endif

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Rays that go on at mirrors and glass. */
+#include "radiosity/mirrors.h"
+
+#include <assert.h>
+
+#include "math/fresnel.h"
+#include "math/tolerance.h"
+
+/* A patch that keeps less than this is a perfect mirror: it takes part with no area at all. What it
+ * would have kept is far below what hundreds of rays per patch can tell. */
+static const double KEPT_LEAST = 1e-3;
+
+bool mirrors_exist(const Material *materials, size_t count)
+{
+    assert(materials != NULL || count == 0);
+    for (size_t i = 0; i < count; i++)
+        if (mirrors_is(&materials[i]))
+            return true;
+    return false;
+}
+
+bool mirrors_is_skin(const Surface *surface)
+{
+    assert(surface != NULL);
+    if (surface->kind == SURFACE_SHAPE)
+        return true;
+    const int edges = surface->kind == SURFACE_QUAD ? 4 : 3;
+    for (int i = 0; i < edges; i++)
+        if (surface->neighbour[i] == SURFACE_NONE)
+            return false;
+    return true;
+}
+
+static double grey(Rgb colour) { return fmin(fmax(rgb_luminance(colour), 0), 1); }
+
+MirrorShare mirrors_share(const Material *m, bool skin, unsigned side, double cosine)
+{
+    MirrorShare share = { .eta = 1 };
+    assert(m != NULL && side < 2 && cosine >= 0 && cosine <= 1);
+    if (rgb_max(m->transmittance) > 0) {
+        const double ior = m->ior > 0 ? m->ior : 1;
+        if (skin && ior != 1)
+            share.eta = side == 1 ? 1 / ior : ior;
+        share.back = share.eta != 1 ? fresnel(cosine, share.eta) : fresnel_pane(cosine, ior);
+        share.through = (1 - share.back) * grey(m->transmittance);
+    } else if (mirrors_is(m)) {
+        share.back = grey(m->specular);
+    }
+    return share;
+}
+
+static const Material *material_of(const Room *room, uint32_t surface, unsigned side)
+{
+    return &room->materials[surfaces_material(room->surfaces, surface, side)];
+}
+
+static double kept_at(const Room *room, uint32_t patch, const Material *m, double cosine)
+{
+    const bool skin = mirrors_is_skin(&room->surfaces->surface[room->patches->surface[patch]]);
+    const MirrorShare share = mirrors_share(m, skin, room->patches->side[patch], cosine);
+    return fmax(1 - share.back - share.through, 0);
+}
+
+/* Mean over the hemisphere, weighted by the cosine: the midpoint rule over its square, in which
+ * light arrives evenly. Total reflection makes a kink; 64 points are off by less than 1 %. */
+double mirrors_kept(const Room *room, uint32_t patch)
+{
+    enum { POINTS = 64 };
+    const Material *m = &room->materials[room->patches->material[patch]];
+    double          sum = 0;
+    assert(patch < room->patches->count);
+    if (!room->mirrors || !mirrors_is(m))
+        return 1;
+    for (int k = 0; k < POINTS; k++)
+        sum += kept_at(room, patch, m, sqrt((k + 0.5) / POINTS)) / POINTS;
+    return sum >= KEPT_LEAST ? sum : 0;
+}
+
+double mirrors_weight(const Room *room, uint32_t patch, double cosine)
+{
+    const Material *m = &room->materials[room->patches->material[patch]];
+    assert(patch < room->patches->count);
+    if (!room->mirrors || !(rgb_max(m->transmittance) > 0))
+        return 1;
+    cosine = fmin(fmax(cosine, 0), 1);
+    const double kept = mirrors_kept(room, patch);
+    return kept > 0 ? kept_at(room, patch, m, cosine) / kept : 0;
+}
+
+void mirrors_problem(const Room *room, uint32_t patch, Rgb *emission, Rgb *reflectance)
+{
+    const double most = TOLERANCE_REFLECTANCE_MAX;
+    *emission = room_emission(room, patch);
+    *reflectance = room->materials[room->patches->material[patch]].reflectance;
+    const double kept = mirrors_kept(room, patch);
+    if (kept == 1)
+        return;
+    const double scale = kept > 0 ? 1 / kept : 0;
+    *emission = rgb_scale(*emission, scale);
+    /* A file's mirror and diffuse shares may be more than 1 together. */
+    *reflectance = rgb(fmin(reflectance->r * scale, most), fmin(reflectance->g * scale, most),
+                       fmin(reflectance->b * scale, most));
+}
+
+static Vec3 mirrored(Vec3 in, Vec3 n) { return vec3_mad(in, -2 * vec3_dot(in, n), n); }
+
+bool mirrors_step(const Room *room, const Hit *hit, double choice, Ray *ray, bool *straight)
+{
+    const Surfaces *s = room->surfaces;
+    assert(hit->primitive < surfaces_primitive_count(s) && choice >= 0 && choice < 1);
+    const uint32_t  surface = surfaces_of_primitive(s, hit->primitive);
+    if (!mirrors_is(material_of(room, surface, 0)) && !mirrors_is(material_of(room, surface, 1)))
+        return false;
+    const Vec3 in = vec3_unit(vec3(ray->dx, ray->dy, ray->dz));
+    SurfacePoint at;
+    double       u, v;
+    surfaces_parameters(s, hit->primitive, hit->u, hit->v, &u, &v);
+    surfaces_point(s, surface, u, v, &at);
+    const unsigned side = vec3_dot(at.normal, in) > 0 ? 1 : 0;
+    const Vec3     n = side == 0 ? at.normal : vec3_scale(at.normal, -1);
+    const double   cosine = fmin(fmax(-vec3_dot(in, n), 0), 1);
+    const MirrorShare share = mirrors_share(material_of(room, surface, side),
+                                            mirrors_is_skin(&s->surface[surface]), side, cosine);
+    if (!(choice < share.back + share.through))
+        return false;
+    Vec3 way = in;
+    if (choice < share.back) {
+        way = vec3_unit(mirrored(in, n));
+    } else if (share.eta != 1) {
+        const double square = 1 - (1 - cosine * cosine) / (share.eta * share.eta);
+        way = vec3_unit(vec3_mad(vec3_scale(in, 1 / share.eta),
+                                 cosine / share.eta - sqrt(fmax(square, 0)), n));
+    }
+    *straight = *straight && choice >= share.back && share.eta == 1;
+    *ray = ray_leaving(at.point, n, choice < share.back ? room->offset : -room->offset, way,
+                       INFINITY);
+    return true;
+}
+
+double mirrors_between(const Room *room, Ray ray)
+{
+    const Surfaces *s = room->surfaces;
+    const Vec3      way = vec3(ray.dx, ray.dy, ray.dz), in = vec3_unit(way);
+    const double    length = vec3_length(way);
+    double          pass = 1;
+    assert(length > 0 && isfinite(ray.t_max));
+    for (int k = 0; k < MIRRORS_MOST; k++) {
+        Hit hit;
+        if (!bvh_nearest(room->bvh, &ray, &hit))
+            return pass;
+        const uint32_t surface = surfaces_of_primitive(s, hit.primitive);
+        const Vec3     n = surfaces_normal(s, hit.primitive, hit.u, hit.v);
+        const double   along = vec3_dot(in, n);
+        const unsigned side = along > 0 ? 1 : 0;
+        const MirrorShare share = mirrors_share(material_of(room, surface, side),
+                                                mirrors_is_skin(&s->surface[surface]), side,
+                                                fmin(fabs(along), 1));
+        if (share.eta != 1 || !(share.through > 0))
+            return 0;
+        pass *= share.through;
+        /* On from behind the pane: along the same line, as far as its offset reaches. */
+        const double slack = room->offset / (length * fmax(fabs(along), 1.0 / 64));
+        ray.t_min = (float)fmax(hit.t + slack, nextafterf(hit.t, INFINITY));
+        if (!(ray.t_min < ray.t_max))
+            return pass;
+    }
+    return 0;
+}

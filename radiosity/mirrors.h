@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* radiosity/mirrors.h -- ideal mirrors and clear glass: where rays between diffuse patches go on.
+ *
+ * Extended form factors [wallace87], [sillion89]: a ray that meets a mirror or glass goes on with
+ * the chance S of its light being reflected or let through there, and ends there otherwise. So each
+ * ray stays a share of 1 and rows still sum to 1: what ends at a mirror is what it absorbs or, if
+ * it is partly diffuse, scatters. Reciprocity holds in this form: with kept = 1 - S, mean over the
+ * hemisphere, a patch of area A takes part with the area kept A, the emission E / kept and the
+ * reflectance rho / kept (mirrors_problem), and its radiosity comes out as B / kept.
+ * S is grey: the luminance of the material's colours; only the eye sees mirrors in colour.
+ * Only with room->mirrors; without it they absorb all light, as geometric factors want.
+ */
+#ifndef RADIOSITY_MIRRORS_H
+#define RADIOSITY_MIRRORS_H
+
+#include "radiosity/room.h"
+
+/* Whether any material is an ideal mirror or clear. */
+bool mirrors_exist(const Material *materials, size_t count);
+static inline bool mirrors_is(const Material *m)
+{
+    return rgb_max(m->transmittance) > 0 || (rgb_max(m->specular) > 0 && isinf(m->exponent));
+}
+
+/* Whether a clear surface is the skin of a body, with a neighbour over every edge, and so bends
+ * light; a pane with a rim does not. */
+bool mirrors_is_skin(const Surface *surface);
+
+/* What becomes of light that meets a side at an angle. */
+typedef struct {
+    double back, through; /* shares that go on, of sum <= 1 */
+    double eta;           /* index beyond over that here; 1: straight through */
+} MirrorShare;
+MirrorShare mirrors_share(const Material *material, bool skin, unsigned side, double cosine);
+
+/* The share of light that ends at a patch: 1 - S, mean over the hemisphere; 1 for what is no
+ * mirror, and without room->mirrors. */
+double mirrors_kept(const Room *room, uint32_t patch);
+/* The share of the light of direction d, from the patch out, relative to that mean. */
+double mirrors_weight(const Room *room, uint32_t patch, double cosine);
+
+/* Emission and reflectance of a patch as they stand in the problem to solve. */
+void mirrors_problem(const Room *room, uint32_t patch, Rgb *emission, Rgb *reflectance);
+
+/* One more step of a ray that met a mirror: false: it ends here, or what it met is none. Else *ray
+ * goes on from there; *straight is cleared when it was turned. choice in [0, 1). */
+bool mirrors_step(const Room *room, const Hit *hit, double choice, Ray *ray, bool *straight);
+
+/* Share of light that passes the panes on a blocked ray's way: 0 where anything else stands. */
+double mirrors_between(const Room *room, Ray ray);
+
+/* Steps after which a ray ends where it is. */
+enum { MIRRORS_MOST = 64 };
+
+#endif
