@@ -30,17 +30,29 @@ static inline __m256 groups_load(const TriangleGroup *a, const TriangleGroup *b,
                                 _mm_loadu_ps(b->vertex[corner][axis]), 1);
 }
 
-static inline void groups_shear(Sheared *s, const TriangleGroup *a, const TriangleGroup *b,
-                                const Probe *p)
+/* Two groups side by side: corner, axis as the ray counts them. */
+typedef struct {
+    __m256 at[3][3];
+} Corners;
+
+static inline Corners groups_corners(const TriangleGroup *a, const TriangleGroup *b,
+                                     const int axis[3])
+{
+    Corners c;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            c.at[i][k] = groups_load(a, b, i, axis[k]);
+    return c;
+}
+
+static inline void groups_shear(Sheared *s, const Corners *c, const Probe *p)
 {
     const __m256 inverse = _mm256_set1_ps(p->inverse[p->axis[2]]);
     __m256 t[3];
     for (int i = 0; i < 3; i++) {
-        const __m256 x = _mm256_sub_ps(groups_load(a, b, i, p->axis[0]),
-                                       _mm256_set1_ps(p->origin[0]));
-        const __m256 y = _mm256_sub_ps(groups_load(a, b, i, p->axis[1]),
-                                       _mm256_set1_ps(p->origin[1]));
-        s->z[i] = _mm256_sub_ps(groups_load(a, b, i, p->axis[2]), _mm256_set1_ps(p->origin[2]));
+        const __m256 x = _mm256_sub_ps(c->at[i][0], _mm256_set1_ps(p->origin[0]));
+        const __m256 y = _mm256_sub_ps(c->at[i][1], _mm256_set1_ps(p->origin[1]));
+        s->z[i] = _mm256_sub_ps(c->at[i][2], _mm256_set1_ps(p->origin[2]));
         s->x[i] = _mm256_sub_ps(x, _mm256_mul_ps(_mm256_set1_ps(p->shear[0]), s->z[i]));
         s->y[i] = _mm256_sub_ps(y, _mm256_mul_ps(_mm256_set1_ps(p->shear[1]), s->z[i]));
         t[i] = _mm256_mul_ps(s->z[i], inverse);
@@ -53,7 +65,6 @@ static inline __m256 edge_avx2(const Sheared *s, int i, int j)
 {
     return _mm256_sub_ps(_mm256_mul_ps(s->x[i], s->y[j]), _mm256_mul_ps(s->y[i], s->x[j]));
 }
-
 
 /* Bits of the lanes that hold a triangle; of b none when it is a once more. */
 static inline unsigned groups_used(const TriangleGroup *a, const TriangleGroup *b)
@@ -85,45 +96,80 @@ static inline bool groups_decide(const TriangleGroup *group, const Sheared *s, c
     return found;
 }
 
+/* What float says of eight triangles: bits of those that may be hit, and with `any` of those that
+ * surely are. */
+static inline unsigned groups_filter(const Sheared *s, const Probe *p, unsigned used, bool any,
+                                     float limit, unsigned *sure)
+{
+    const __m256 zero = _mm256_setzero_ps();
+    const __m256 e0 = edge_avx2(s, 2, 1), e1 = edge_avx2(s, 0, 2), e2 = edge_avx2(s, 1, 0);
+    const __m256 least = _mm256_min_ps(_mm256_min_ps(e0, e1), e2);
+    const __m256 most = _mm256_max_ps(_mm256_max_ps(e0, e1), e2);
+    const __m256 apart = _mm256_and_ps(_mm256_cmp_ps(least, zero, _CMP_LT_OQ),
+                                       _mm256_cmp_ps(most, zero, _CMP_GT_OQ));
+    const float end = limit * (1 + SURE_ROUNDING) + FLT_MIN;
+    const __m256 beyond = _mm256_cmp_ps(s->from, _mm256_set1_ps(end), _CMP_GT_OQ);
+    const unsigned out = (unsigned)_mm256_movemask_ps(_mm256_or_ps(apart, beyond));
+    const unsigned lanes = ~out & used;
+    if (lanes == 0 || !any)
+        return lanes;
+    const float begin = (p->t_min + FLT_MIN) * (1 + SURE_ROUNDING);
+    const __m256 strict = _mm256_or_ps(_mm256_cmp_ps(least, zero, _CMP_GT_OQ),
+                                       _mm256_cmp_ps(most, zero, _CMP_LT_OQ));
+    const __m256 inside = _mm256_and_ps(
+        _mm256_cmp_ps(s->from, _mm256_set1_ps(begin), _CMP_GT_OQ),
+        _mm256_cmp_ps(s->to, _mm256_set1_ps(limit * (1 - SURE_ROUNDING)), _CMP_LT_OQ));
+    *sure = (unsigned)_mm256_movemask_ps(_mm256_and_ps(strict, inside)) & lanes;
+    return lanes;
+}
+
 static inline bool groups_test(const TriangleGroup *group, uint32_t count, const Probe *p,
                                uint32_t place, bool any, Best *best)
 {
-    const __m256 zero = _mm256_setzero_ps();
     bool found = false;
     for (uint32_t g = 0; g < count; g += 2) {
         const TriangleGroup *a = &group[g], *b = a + (g + 1 < count);
+        const Corners corners = groups_corners(a, b, p->axis);
         Sheared s;
-        groups_shear(&s, a, b, p);
-        const __m256 e0 = edge_avx2(&s, 2, 1), e1 = edge_avx2(&s, 0, 2), e2 = edge_avx2(&s, 1, 0);
-        const __m256 least = _mm256_min_ps(_mm256_min_ps(e0, e1), e2);
-        const __m256 most = _mm256_max_ps(_mm256_max_ps(e0, e1), e2);
-        const __m256 apart = _mm256_and_ps(_mm256_cmp_ps(least, zero, _CMP_LT_OQ),
-                                           _mm256_cmp_ps(most, zero, _CMP_GT_OQ));
-        const float end = best->limit * (1 + SURE_ROUNDING) + FLT_MIN;
-        const __m256 beyond = _mm256_cmp_ps(s.from, _mm256_set1_ps(end), _CMP_GT_OQ);
-        const unsigned out = (unsigned)_mm256_movemask_ps(_mm256_or_ps(apart, beyond));
-        const unsigned lanes = ~out & groups_used(a, b);
+        groups_shear(&s, &corners, p);
+        unsigned sure = 0;
+        const unsigned lanes = groups_filter(&s, p, groups_used(a, b), any, best->limit, &sure);
         if (lanes == 0)
             continue;
-        if (any) {
-            const float begin = (p->t_min + FLT_MIN) * (1 + SURE_ROUNDING);
-            const __m256 strict = _mm256_or_ps(_mm256_cmp_ps(least, zero, _CMP_GT_OQ),
-                                               _mm256_cmp_ps(most, zero, _CMP_LT_OQ));
-            const __m256 inside = _mm256_and_ps(
-                _mm256_cmp_ps(s.from, _mm256_set1_ps(begin), _CMP_GT_OQ),
-                _mm256_cmp_ps(s.to, _mm256_set1_ps(best->limit * (1 - SURE_ROUNDING)),
-                              _CMP_LT_OQ));
-            const unsigned sure = (unsigned)_mm256_movemask_ps(_mm256_and_ps(strict, inside));
-            if ((sure & lanes) != 0) {
-                best->first.place = place;
-                return true;
-            }
+        if (sure != 0) {
+            best->first.place = place;
+            return true;
         }
         found |= groups_decide(a, &s, p, lanes, place + g * GROUP_WIDTH, best);
         if (any && found)
             return true;
     }
     return found;
+}
+
+/* Which of `rays`, whose major axes are the same, meet any of the triangles. */
+static inline uint64_t groups_block(const TriangleGroup *group, uint32_t count,
+                                    const Probe *probe, uint64_t rays)
+{
+    uint64_t blocked = 0;
+    for (uint32_t g = 0; g < count; g += 2) {
+        const TriangleGroup *a = &group[g], *b = a + (g + 1 < count);
+        const Corners corners = groups_corners(a, b, probe->axis);
+        const unsigned used = groups_used(a, b);
+        for (uint64_t left = rays & ~blocked; left != 0; left &= left - 1) {
+            const Probe *p = &probe[__builtin_ctzll(left)];
+            Sheared s;
+            groups_shear(&s, &corners, p);
+            unsigned sure = 0;
+            const unsigned lanes = groups_filter(&s, p, used, true, p->t_max, &sure);
+            if (lanes == 0)
+                continue;
+            Best best = best_none(p->t_max);
+            if (sure != 0 || groups_decide(a, &s, p, lanes, 0, &best))
+                blocked |= left & -left;
+        }
+    }
+    return blocked;
 }
 
 #endif

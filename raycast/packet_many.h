@@ -199,10 +199,22 @@ static void packets_nearest(const Bvh *bvh, const Ray *ray, const uint32_t *orde
     packets_trace(bvh, ray, order, count, hit, NULL);
 }
 
+/* Sorted segments are tried once. In a tree of a node or two packets have less to do than crowds;
+ * where the tree does not fit into a cache, rays in turns wait less. */
+#define SEGMENTS_ALONE (STRETCH_TRIAL / 4)
+#define CROWD_TREE ((size_t)32 << 20)
+
 static void packets_blocked(const Bvh *bvh, const Ray *ray, const uint32_t *order, size_t count,
                             bool *blocked)
 {
-    packets_trace(bvh, ray, order, count, NULL, blocked);
+    const size_t trial = count < STRETCH_TRIAL ? count : STRETCH_TRIAL;
+    if (order == NULL || bvh->bytes >= CROWD_TREE) {
+        packets_trace(bvh, ray, order, count, NULL, blocked);
+    } else if (packet_run(bvh, ray, order, 0, trial, NULL, blocked) <= SEGMENTS_ALONE) {
+        packet_run(bvh, ray, order, trial, count, NULL, blocked);
+    } else {
+        crowds_blocked(bvh, ray + trial, order + trial, count - trial, blocked);
+    }
 }
 
 /* --- sorting --------------------------------------------------------------------------------- */

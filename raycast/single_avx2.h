@@ -6,6 +6,7 @@
 #include <immintrin.h>
 
 #include "raycast/group_avx2.h"
+#include "raycast/reach.h"
 
 /* The hits are brought into the ray's order of slots and packed by a permutation whose indices
  * are bytes picked by the mask: no branch depends on how many there are. */
@@ -40,6 +41,44 @@ static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit
         _mm256_storeu_ps(near, _mm256_permutevar8x32_ps(t0, order));
     _mm256_storeu_si256((__m256i *)child, _mm256_permutevar8x32_epi32(children, order));
     return (uint32_t)__builtin_popcount(mask) - 1;
+}
+
+/* Of each slot the rays that reach its box, one bit each (crowd.h). */
+typedef struct {
+    __m256i rays[2];
+} Reach;
+
+static inline Reach reach_none(void)
+{
+    return (Reach){ { _mm256_setzero_si256(), _mm256_setzero_si256() } };
+}
+
+static inline void reach_add(Reach *r, const Node *node, const Probe *p, unsigned octant,
+                             uint64_t bit)
+{
+    const __m256i all = _mm256_set1_epi64x((long long)bit);
+    const __m256i hit = _mm256_castps_si256(_mm256_cmp_ps(
+        node_near(node, p, octant), node_far(node, p, octant), _CMP_LE_OQ));
+    const __m256i low = _mm256_cvtepi32_epi64(_mm256_castsi256_si128(hit));
+    const __m256i high = _mm256_cvtepi32_epi64(_mm256_extracti128_si256(hit, 1));
+    r->rays[0] = _mm256_or_si256(r->rays[0], _mm256_and_si256(low, all));
+    r->rays[1] = _mm256_or_si256(r->rays[1], _mm256_and_si256(high, all));
+}
+
+/* Writes the slots that any ray reaches, far ones first; may write 8. Returns how many. */
+static inline uint32_t reach_push(const Reach *r, const Node *node, unsigned octant,
+                                  uint64_t *rays, uint32_t *child)
+{
+    _Alignas(32) uint64_t all[NODE_WIDTH];
+    uint32_t count = 0;
+    _mm256_store_si256((__m256i *)(void *)&all[0], r->rays[0]);
+    _mm256_store_si256((__m256i *)(void *)&all[4], r->rays[1]);
+    for (unsigned i = 0; i < NODE_WIDTH; i++) {
+        rays[count] = all[i ^ octant];
+        child[count] = node->child[i ^ octant];
+        count += all[i ^ octant] != 0;
+    }
+    return count;
 }
 
 #endif

@@ -6,6 +6,7 @@
 #include <immintrin.h>
 
 #include "raycast/group_avx2.h"
+#include "raycast/reach.h"
 
 static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit, bool any,
                                  float *near, uint32_t *child, uint32_t *next)
@@ -37,6 +38,36 @@ static inline uint32_t node_push(const Node *node, const Probe *p, float t_limit
     if (!any)
         _mm256_storeu_ps(near, _mm256_maskz_compress_ps(hit, t0));
     return (uint32_t)__builtin_popcount(mask) - 1;
+}
+
+/* Of each slot the rays that reach its box, one bit each (crowd.h). */
+typedef struct {
+    __m512i rays;
+} Reach;
+
+static inline Reach reach_none(void) { return (Reach){ _mm512_setzero_si512() }; }
+
+static inline void reach_add(Reach *r, const Node *node, const Probe *p, unsigned octant,
+                             uint64_t bit)
+{
+    const __mmask8 hit = _mm256_cmp_ps_mask(node_near(node, p, octant), node_far(node, p, octant),
+                                            _CMP_LE_OQ);
+    r->rays = _mm512_mask_or_epi64(r->rays, hit, r->rays, _mm512_set1_epi64((long long)bit));
+}
+
+/* Writes the slots that any ray reaches, far ones first; may write 8. Returns how many. */
+static inline uint32_t reach_push(const Reach *r, const Node *node, unsigned octant,
+                                  uint64_t *rays, uint32_t *child)
+{
+    const __m256i slots = _mm256_xor_si256(_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7),
+                                           _mm256_set1_epi32((int)octant));
+    const __m512i ordered = _mm512_permutexvar_epi64(_mm512_cvtepu32_epi64(slots), r->rays);
+    const __mmask8 some = _mm512_test_epi64_mask(ordered, ordered);
+    const __m256i children = _mm256_permutevar8x32_epi32(
+        _mm256_load_si256((const __m256i *)node->child), slots);
+    _mm512_storeu_si512(rays, _mm512_maskz_compress_epi64(some, ordered));
+    _mm256_storeu_si256((__m256i *)child, _mm256_maskz_compress_epi32(some, children));
+    return (uint32_t)__builtin_popcount(some);
 }
 
 #endif

@@ -18,6 +18,8 @@
 
 #include "raycast/stream.h"
 
+#include "raycast/crowd.h"
+
 #include "raycast/lanes_avx2.h"
 
 #include "raycast/packet_many.h"

@@ -20,6 +20,8 @@
 
 #include "raycast/stream.h"
 
+#include "raycast/crowd.h"
+
 #include "raycast/lanes_avx512.h"
 
 #include "raycast/packet_many.h"
