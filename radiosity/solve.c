@@ -46,46 +46,48 @@ bool solver_from_name(const char *name, Solver *solver)
 
 /* --- one application of the operator ---------------------------------------------------------- */
 
-static void gather_row_any(const SolveSystem *system, const double *radiosity, uint32_t patch,
-                           const LinksRow *row, double *out)
+/* Bands first .. first + n - 1 of a row, n <= GATHERED being known where it is called, so that the
+ * sums stay in registers. */
+enum { GATHERED = 4 };
+
+static inline void gather_bands(const LinksRow *row, const double *radiosity, unsigned bands,
+                                unsigned first, unsigned n, double *out)
 {
-    const unsigned bands = system->bands;
-    const double *received = system->problem->received;
-    for (unsigned b = 0; b < bands; b++)
-        out[b] = received != NULL ? received[(size_t)patch * bands + b] : 0;
+    double sum[GATHERED] = { 0 };
+    const double *at = radiosity + first;
     for (uint64_t k = 0; k < row->count; k++) {
-        const double *from = &radiosity[(size_t)row->source[k] * bands];
-        for (unsigned b = 0; b < bands; b++)
-            out[b] += row->form_factor[k] * from[b];
+        const double *from = &at[(size_t)row->source[k] * bands];
+        const double f = row->form_factor[k];
+        for (unsigned b = 0; b < n; b++)
+            sum[b] += f * from[b];
     }
+    for (unsigned b = 0; b < n; b++)
+        out[first + b] = sum[b];
 }
 
-/* The same for three bands, the usual number, with the sums in registers. */
-static void gather_row_rgb(const SolveSystem *system, const double *radiosity, uint32_t patch,
-                           const LinksRow *row, double *out)
+/* The row is read anew for each four bands, but lies near by then. */
+static void gather_row(const LinksRow *row, const double *radiosity, unsigned bands, double *out)
 {
-    const double *received = system->problem->received;
-    double r = 0, g = 0, b = 0;
-    for (uint64_t k = 0; k < row->count; k++) {
-        const double *from = &radiosity[(size_t)row->source[k] * 3];
-        const double f = row->form_factor[k];
-        r += f * from[0];
-        g += f * from[1];
-        b += f * from[2];
+    unsigned b = 0;
+    for (; b + GATHERED <= bands; b += GATHERED)
+        gather_bands(row, radiosity, bands, b, GATHERED, out);
+    switch (bands - b) {
+    case 1: gather_bands(row, radiosity, bands, b, 1, out); break;
+    case 2: gather_bands(row, radiosity, bands, b, 2, out); break;
+    case 3: gather_bands(row, radiosity, bands, b, 3, out); break;
+    default: break;
     }
-    out[0] = r + (received != NULL ? received[(size_t)patch * 3] : 0);
-    out[1] = g + (received != NULL ? received[(size_t)patch * 3 + 1] : 0);
-    out[2] = b + (received != NULL ? received[(size_t)patch * 3 + 2] : 0);
 }
 
 void solve_gather_row(const SolveSystem *system, const double *radiosity, uint32_t patch,
                       unsigned worker, double *out)
 {
     const LinksRow row = links_row(system->links, patch, &system->scratch[worker]);
-    if (system->bands == 3)
-        gather_row_rgb(system, radiosity, patch, &row, out);
-    else
-        gather_row_any(system, radiosity, patch, &row, out);
+    const double *received = system->problem->received;
+    const unsigned bands = system->bands;
+    gather_row(&row, radiosity, bands, out);
+    for (unsigned b = 0; b < bands && received != NULL; b++)
+        out[b] += received[(size_t)patch * bands + b];
 }
 
 typedef struct {
@@ -387,7 +389,7 @@ static bool measures_itself(Solver solver)
  * Whether that stays within the tolerance. */
 static bool take_lift(const SolveSystem *system, double lifted, Solution *solution)
 {
-    if (system->reflected == NULL || system->options->solver != SOLVER_TWO_LEVEL)
+    if (!system->options->bound || system->options->solver != SOLVER_TWO_LEVEL)
         return false;
     const double arriving = system->reflected->plain * lifted;
     const double residual = solution->residual + solve_share(system, lifted + arriving);

@@ -56,6 +56,8 @@ typedef struct {
     double    *moved;      /* [bands]  power that directions have moved since H was exact */
     double     rounding;   /* largest relative error of a row's sum in single precision */
     unsigned   kept;       /* directions there are */
+    bool       bounded;    /* the columns of F are known, and not for a trace's sake alone: that
+                              must change nothing */
 } TwoLevel;
 
 static size_t chunks_of(const TwoLevel *t)
@@ -259,11 +261,10 @@ static void find_step(const TwoLevel *t)
  * columns of F are known, else an estimate. */
 static double drift_of(const TwoLevel *t)
 {
-    const Reflected *reflected = t->system->reflected;
     double most = 0;
     for (unsigned b = 0; b < t->system->bands; b++)
         most = fmax(most, t->moved[b]);
-    return most * t->rounding * (reflected != NULL ? reflected->plain : 1);
+    return most * t->rounding * (t->bounded ? t->system->reflected->plain : 1);
 }
 
 /* Irradiance of the radiosity as it is, exactly, and what is missing. */
@@ -334,7 +335,7 @@ static bool look_due(const TwoLevel *t, double left, double drift)
     const bool there = left + drift <= tolerance;
     if (!(drift > 0))
         return false;
-    return there ? t->system->reflected == NULL && drift_of(t) > 0
+    return there ? !t->bounded && drift_of(t) > 0
                  : left < DRIFT_SHARE * tolerance || drift > left;
 }
 
@@ -381,7 +382,7 @@ static bool two_level_create(TwoLevel *t, const SolveSystem *system, Solution *s
                              Error *err)
 {
     const size_t count = system->links->count, bands = system->bands;
-    *t = (TwoLevel){ .system = system, .quads = (system->bands + FOUR - 1) / FOUR,
+    *t = (TwoLevel){ .system = system, .bounded = system->options->bound, .quads = (system->bands + FOUR - 1) / FOUR,
                      .radiosity = solution->radiosity, .irradiance = solution->irradiance };
     if (!aggregates_create(&t->agg, system, err))
         return false;

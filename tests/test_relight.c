@@ -116,6 +116,48 @@ static void test_groups(void **state)
     assert_int_equal(array_live(), 0);
 }
 
+/* The bound after a change of paint is that of the new paint: q is the larger of the columns of
+ * A rho F over A, r2 / 4 * 4 / 1 for surface 1 and (r1 + 3 r2) / 4 for surface 2. From rows of what
+ * has changed alone, for one surface, the other, both and neither. */
+static void test_bound(void **state)
+{
+    (void)state;
+    static const double paints[][2] = { { 0.5, 0.3 }, { 0.9, 0.3 }, { 0.9, 0.6 }, { 0.1, 0.2 },
+                                        { 0.1, 0.2 } };
+    const double e[2] = { 1, 2 };
+    Error err = { 0 };
+    const SolveOptions o = { .solver = SOLVER_TWO_LEVEL, .tolerance = 1e-4, .bound = true };
+    Solution *now = NULL;
+    for (size_t k = 0; k < sizeof paints / sizeof *paints; k++) {
+        const double *r = paints[k];
+        const SolveProblem p = { .bands = 1, .emission = e, .reflectance = r };
+        Solution *next = now == NULL ? solve(&LINKS, &p, &o, NULL, &err)
+                                     : relight(&LINKS, &p, now, NULL, &o, NULL, &err);
+        assert_non_null(next);
+        assert_true(next->converged && next->residual <= 1e-4);
+        const double q = fmax(r[1], (r[0] + 3 * r[1]) / 4);
+        assert_true(fabs(next->error_bound * (1 - q) - next->residual) < 1e-15);
+        double b[2];
+        exact(e, r, b);
+        const double error = fabs(next->radiosity[0] - b[0]) +
+                             4 * fabs(next->radiosity[1] - b[1]);
+        assert_true(error / (e[0] + 4 * e[1]) <= next->error_bound);
+        solution_destroy(now);
+        now = next;
+    }
+    /* Groups dimmed: the paint is as before, so is q. */
+    const LightGroup group = { .emission = e };
+    const double *r = paints[4], q = fmax(r[1], (r[0] + 3 * r[1]) / 4), half = 0.5;
+    LightGroups *groups = light_groups_solve(&LINKS, 1, r, &group, 1, &(SolveOptions){
+        .tolerance = 1e-3 }, NULL, &err);
+    assert_non_null(groups);
+    light_groups_mix(groups, &half, 1, now);
+    assert_true(fabs(now->error_bound * (1 - q) - now->residual) < 1e-15);
+    light_groups_destroy(groups);
+    solution_destroy(now);
+    assert_int_equal(array_live(), 0);
+}
+
 static bool stop_now(void *user)
 {
     (void)user;
@@ -160,7 +202,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_changes),
-        cmocka_unit_test(test_groups),
+        cmocka_unit_test(test_groups), cmocka_unit_test(test_bound),
         cmocka_unit_test(test_edges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
