@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* isolux measure: illuminance at points. */
+#include <math.h>
 #include <string.h>
 
 #include "app/commands.h"
+#include "app/pipeline_accuracy.h"
 #include "app/place.h"
 #include "app/points.h"
 #include "app/summary.h"
@@ -10,6 +12,9 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "math/sampling.h"
+
+/* Of a point, where --accuracy is asked for. */
+enum { FIRST_RAYS = 1024 };
 
 /* Points a thread takes at a time: few, for one may cost thousands of rays. */
 enum { POINT_CHUNK = 4 };
@@ -56,6 +61,48 @@ static Irradiance *measure(Pipeline *pipeline, const Points *points, bool *done,
     return error_is_set(err) ? array_free(m.result) : m.result;
 }
 
+/* Root mean square of the points' standard errors over that of what they receive. */
+static double error_of(const Irradiance *result, size_t count)
+{
+    double squares = 0, all = 0;
+    for (size_t i = 0; i < count; i++) {
+        const double e = rgb_luminance(rgb_add(result[i].direct, result[i].indirect));
+        squares += result[i].standard_error * result[i].standard_error;
+        all += e * e;
+    }
+    return all > 0 ? sqrt(squares / all) : 0;
+}
+
+/* With twice as many rays each time, while --accuracy asks for them and they are allowed; what was
+ * measured stays when time runs out while it is measured better. */
+static Irradiance *measure_accurately(Pipeline *pipeline, const Points *points, bool *done,
+                                      Error *err)
+{
+    LightAccuracy *a = &pipeline->accuracy;
+    Settings *settings = &pipeline->session->settings;
+    const uint32_t most = pipeline_accuracy_point_rays(pipeline);
+    if (a->asked > 0)
+        settings->gather_rays = settings->gather_rays < FIRST_RAYS ? settings->gather_rays
+                                                                   : FIRST_RAYS;
+    Irradiance *best = measure(pipeline, points, done, err);
+    while (best != NULL && *done && a->asked > 0) {
+        a->points = error_of(best, points->count);
+        a->point_rays = settings->gather_rays;
+        if (!(a->points > a->asked) || settings->gather_rays > most / 2)
+            break;
+        settings->gather_rays *= 2;
+        bool whole = false;
+        Irradiance *better = measure(pipeline, points, &whole, err);
+        if (better == NULL)
+            return array_free(best);
+        array_free(whole ? best : better);
+        best = whole ? better : best;
+        if (!whole)
+            break;
+    }
+    return best;
+}
+
 static bool write_points(const Pipeline *pipeline, const Points *points, const Irradiance *result,
                          const char *path, Error *err)
 {
@@ -92,12 +139,12 @@ static bool measure_points(Pipeline *pipeline, const Points *points, int *exit_c
     for (size_t i = 0; i < points->count; i++)
         points->point[i] = scene_from_file(pipeline->scene, points->point[i]);
     if (!pipeline_mesh(pipeline, err) || !pipeline_patches(pipeline, err) ||
-        !pipeline_factors(pipeline, err) || !pipeline_solve(pipeline, err))
+        !pipeline_accurate(pipeline, err))
         return false;
-    *exit_code = pipeline_exit_code(pipeline);
-    Irradiance *result = measure(pipeline, points, &done, err);
+    Irradiance *result = measure_accurately(pipeline, points, &done, err);
     if (result == NULL)
         return false;
+    *exit_code = pipeline_exit_code(pipeline);
     const double begin = progress_now();
     const bool written = write_points(pipeline, points, result, output, err);
     array_free(result);
@@ -120,6 +167,8 @@ bool cmd_measure(Pipeline *pipeline, int *exit_code, Error *err)
     Points points = { 0 };
     if (options->points == NULL)
         return error_set(err, ERROR_USAGE, "measure needs --points FILE");
+    if (!pipeline_accuracy_allowed(options, err))
+        return false;
     if (options->output == NULL && options->json != NULL && strcmp(options->json, "-") == 0)
         return error_set(err, ERROR_USAGE, "--json - needs -o FILE for the points");
     bool done = points_read(&points, options->points, err);

@@ -7,6 +7,7 @@
 #include "app/commands.h"
 #include "app/film.h"
 #include "app/output.h"
+#include "app/pipeline_accuracy.h"
 #include "app/pipeline_path.h"
 #include "app/saving.h"
 #include "app/summary.h"
@@ -144,7 +145,8 @@ bool cmd_render(Pipeline *pipeline, int *exit_code, Error *err)
     Names names = { .values = "" };
     assert(session->options.scene != NULL);
     const bool solved = session->options.renderer == RENDERER_GATHER;
-    if (!solved && !pipeline_path_allowed(&session->options, err))
+    if (!(solved ? pipeline_accuracy_allowed(&session->options, err)
+                 : pipeline_path_allowed(&session->options, err)))
         return false;
     if (!picture_names(&session->options, &names, err) || !pipeline_read(pipeline, err) ||
         !pipeline_mesh(pipeline, err) || !pipeline_camera(pipeline, err))
@@ -152,8 +154,7 @@ bool cmd_render(Pipeline *pipeline, int *exit_code, Error *err)
     view_size(pipeline);
     if (!image_fits(pipeline, err))
         return false;
-    if (solved && (!pipeline_patches(pipeline, err) || !pipeline_factors(pipeline, err) ||
-                   !pipeline_solve(pipeline, err)))
+    if (solved && (!pipeline_patches(pipeline, err) || !pipeline_accurate(pipeline, err)))
         return false;
     Image *image = solved ? gather(pipeline, err) : pipeline_path(pipeline, err);
     *exit_code = pipeline_exit_code(pipeline);

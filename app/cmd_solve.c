@@ -5,6 +5,7 @@
 #include "app/commands.h"
 #include "app/compare_solvers.h"
 #include "app/output.h"
+#include "app/pipeline_accuracy.h"
 #include "app/summary.h"
 
 /* --compare: figures and a plot instead of a mesh. */
@@ -43,13 +44,13 @@ bool cmd_solve(Pipeline *pipeline, int *exit_code, Error *err)
 {
     Session *session = pipeline->session;
     const char *output = session->options.output;
-    if (!check_name(&session->options, err) || !pipeline_read(pipeline, err) ||
-        !pipeline_mesh(pipeline, err) || !pipeline_patches(pipeline, err) ||
-        !pipeline_factors(pipeline, err))
+    if (!check_name(&session->options, err) ||
+        !pipeline_accuracy_allowed(&session->options, err) || !pipeline_read(pipeline, err) ||
+        !pipeline_mesh(pipeline, err) || !pipeline_patches(pipeline, err))
         return false;
     if (session->options.compare)
-        return compare(pipeline, exit_code, err);
-    if (!pipeline_solve(pipeline, err))
+        return pipeline_factors(pipeline, err) && compare(pipeline, exit_code, err);
+    if (!pipeline_accurate(pipeline, err))
         return false;
     *exit_code = pipeline_exit_code(pipeline);
     if (output != NULL && !ply_write(pipeline, output, err))

@@ -166,7 +166,7 @@ typedef struct Options {
     uint64_t    max_memory;  /* bytes */
     double      time_limit;  /* seconds */
     double      checkpoint;  /* seconds between two; only when given */
-    double      accuracy;    /* of factors between groups; 0: not given */
+    double      accuracy;    /* of factors between groups, of light; 0: not given */
     double      relaxation;  /* of sor; 0: not given */
     double      patch_size, least_size, weld, surroundings, tolerance, fov, unit_m, lamp;
     double      exposure;    /* EV; meaningful only when exposure_set */

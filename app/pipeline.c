@@ -456,7 +456,10 @@ int pipeline_exit_code(const Pipeline *pipeline)
     const GroupFactors *groups = pipeline->groups;
     const bool rough = groups != NULL && groups->reached > groups->asked &&
                        options_given(&pipeline->session->options, OPTION_ACCURACY);
-    return unsolved || rough || (promised && open) ? 4 : 0;
+    const LightAccuracy *light = &pipeline->accuracy;
+    const bool dim = light->asked > 0 && (light->reached > light->asked ||
+                                          light->points > light->asked);
+    return unsolved || rough || dim || (promised && open) ? 4 : 0;
 }
 
 void pipeline_clear(Pipeline *pipeline)

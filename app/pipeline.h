@@ -37,6 +37,15 @@ typedef struct {
     double   area;
 } CutCount;
 
+/* What --accuracy came to: standard errors of irradiance, relative. */
+typedef struct {
+    double   asked;          /* 0: it was not */
+    double   reached;        /* of patches */
+    double   points;         /* of measuring points; 0: there are none */
+    uint32_t rays, most;     /* per patch in the last round, and at most */
+    uint32_t point_rays;
+} LightAccuracy;
+
 typedef struct Pipeline {
     Session     *session;
     Scene       *scene;
@@ -71,6 +80,7 @@ typedef struct Pipeline {
     SolveProblem problem;
     Solution    *solution;
     Energy       energy[ROOM_BANDS];
+    LightAccuracy accuracy;
     Changes      changes;           /* after it is solved */
     Relit        relit;
     struct Saving *saving;          /* the caller's; NULL: nothing is saved */

@@ -3,6 +3,7 @@
 #include "app/pipeline_path.h"
 
 #include <assert.h>
+#include <math.h>
 
 bool pipeline_path_allowed(const Options *options, Error *err)
 {
@@ -32,6 +33,7 @@ Image *pipeline_path(Pipeline *pipeline, Error *err)
     const double *crop = session->options.crop;
     const PathOptions po = { .width = pipeline->width, .height = pipeline->height,
                              .samples = session->hurry ? 1 : settings->spp,
+                             .error = settings->accuracy,
                              .diffuse_only = session->options.diffuse,
                              .background = pipeline->scene->background,
                              .filter = (PixelFilter)session->options.pixel_filter,
@@ -41,6 +43,10 @@ Image *pipeline_path(Pipeline *pipeline, Error *err)
                                &session->monitor, err);
     pipeline->render.rays = pipeline->path.rays;
     pipeline->render.seconds = pipeline->path.seconds;
+    if (settings->accuracy > 0) /* of the picture, not of patches */
+        pipeline->accuracy = (LightAccuracy){ .asked = settings->accuracy,
+                                              .reached = isnan(pipeline->path.error)
+                                                             ? INFINITY : pipeline->path.error };
     pipeline_note(pipeline, STAGE_GATHER, begin);
     return image;
 }

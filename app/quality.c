@@ -64,7 +64,9 @@ Settings quality_settings(const Options *options)
         s.patch_size = options->patch_size;
         s.patches = options->patches;
     }
-    s.accuracy = options->accuracy > 0 ? options->accuracy : level->accuracy;
+    s.accuracy = options->accuracy > 0                 ? options->accuracy
+                 : options->command == COMMAND_FACTORS ? level->accuracy
+                                                       : 0;
     s.adapt = adapts(options) && !s.stochastic;
     s.least_size = options->least_size;
     s.repair = repair_options(options);

@@ -19,7 +19,7 @@ typedef struct {
     SurfaceOptions repair;
     ImprintOptions imprint; /* but for the number of pieces and the list */
     uint32_t rays, lamp_rays;
-    double   accuracy;       /* standard error of factors between groups */
+    double   accuracy;       /* standard error of factors between groups; of light, 0: not asked */
     Closure  closure;
     Solver   solver;
     bool     stochastic;     /* in its place, without links */

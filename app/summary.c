@@ -232,6 +232,22 @@ static void put_solve(Json *json, const Pipeline *pipeline)
     json_close(json, '}');
 }
 
+static void put_accuracy(Json *json, const LightAccuracy *a)
+{
+    if (!(a->asked > 0))
+        return;
+    json_open(json, "accuracy", '{');
+    json_number(json, "asked", a->asked);
+    json_number(json, "reached", a->reached);
+    if (a->rays > 0)
+        json_count(json, "rays", a->rays);
+    if (a->point_rays > 0) {
+        json_number(json, "points_reached", a->points);
+        json_count(json, "point_rays", a->point_rays);
+    }
+    json_close(json, '}');
+}
+
 static void put_relit(Json *json, const Pipeline *pipeline)
 {
     const Relit *relit = &pipeline->relit;
@@ -301,6 +317,7 @@ void summary_pipeline(Json *json, const Pipeline *pipeline)
         put_solve(json, pipeline);
     if (pipeline->solution != NULL)
         put_relit(json, pipeline);
+    put_accuracy(json, &pipeline->accuracy);
     if (pipeline->width > 0)
         put_render(json, pipeline);
     put_seconds(json, pipeline);
@@ -376,6 +393,20 @@ static void print_stochastic(const Pipeline *pipeline)
                 r->groups);
 }
 
+static void print_accuracy(const Pipeline *pipeline)
+{
+    const LightAccuracy *a = &pipeline->accuracy;
+    if (!(a->asked > 0) || a->rays == 0)
+        return;
+    session_say(pipeline->session, "  accuracy irradiance of patches known to %.3g (rms, relative) "
+                "by %u rays each, %.3g was asked for%s", a->reached, a->rays, a->asked,
+                a->reached <= a->asked ? "" : ": more --rays are needed");
+    if (a->point_rays > 0)
+        session_say(pipeline->session, "           that of points to %.3g by %u rays each%s",
+                    a->points, a->point_rays,
+                    a->points <= a->asked ? "" : ": more --gather-rays are needed");
+}
+
 static void print_light(const Pipeline *pipeline)
 {
     const Energy *e = pipeline->energy;
@@ -406,6 +437,7 @@ static void print_light(const Pipeline *pipeline)
                 "  energy   emitted %.5g %s, absorbed %.5g, escaped %.5g, balance error %.2g",
                 rgb_luminance(emitted), unit, rgb_luminance(absorbed), rgb_luminance(escaped),
                 fmax(e[0].error, fmax(e[1].error, e[2].error)));
+    print_accuracy(pipeline);
 }
 
 static void print_groups(const Pipeline *pipeline)

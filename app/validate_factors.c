@@ -3,10 +3,10 @@
  *
  * Numbers of configurations follow Howell's catalogue [howell]; the obstructed pairs were
  * integrated numerically to 5e-6. Strips without end are made 1e5 long, which takes about their
- * distance over their length off the factor: 1e-5. Surfaces are treated pair by pair (radiosity/group_factors.h): a
- * factor passes within four of its standard errors, and not more than 2e-4 off in any case. From a
- * point the tolerance is three standard errors of as many independent rays,
- * 3 sqrt(F (1 - F) / N); scrambled nets stay far below it.
+ * distance over their length off the factor: 1e-5. Surfaces are treated pair by pair
+ * (radiosity/group_factors.h): a factor passes within four of its standard errors, and not more
+ * than 2e-4 off in any case. From a point the tolerance is three standard errors
+ * of as many independent rays, 3 sqrt(F (1 - F) / N); scrambled nets stay far below it.
  */
 #include <assert.h>
 #include <math.h>
@@ -33,7 +33,8 @@ static const double STRIP = 1e5, STRIP_ERROR = 1e-5;
 static const double OBSTRUCTED_ERROR = 6e-6;
 
 typedef struct {
-    char   kind;       /* R rectangle: o u v; T triangle: corners; D disc facing up, d down: at r; */
+    char   kind;       /* R rectangle: o u v; T triangle: corners; D disc facing up, d down: at
+                        * r; */
     char   group[8];   /* P, p: in the disc's place a polygon of 48 corners; F frustum standing on
                         * at: at r h ratio; S sphere: at r; 0 none */
     double number[9];

@@ -42,6 +42,28 @@ ok "overshooting" exits 0 solve "$cube" "${fast[@]}" --solver progressive --over
 ok "overshooting takes fewer shots" test "$(shots "$DIR/over.json")" -lt \
     "$(shots "$DIR/plain.json")"
 
+# Rays are added until light is known as well as was asked.
+value() {
+    sed -n '/"accuracy"/,/}/p' "$2" | sed -nE "s/.*\"$1\": ([0-9.e+-]+).*/\1/p"
+}
+within() {
+    awk -v a="$1" -v b="$2" 'BEGIN { exit !(a <= b) }'
+}
+known=(--patches 400 --progress none)
+ok "as accurate as asked" exits 0 solve "$cube" "${known[@]}" --accuracy 0.01 --json "$DIR/a.json"
+ok "that is told" within "$(value reached "$DIR/a.json")" 0.01
+ok "finer" exits 0 solve "$cube" "${known[@]}" --accuracy 0.002 --json "$DIR/b.json"
+ok "by more rays" test "$(value rays "$DIR/b.json")" -gt "$(value rays "$DIR/a.json")"
+ok "more than rays can" exits 4 solve "$cube" "${known[@]}" --accuracy 1e-6 --rays 64 \
+    --json "$DIR/c.json"
+ok "as many rays as were given" test "$(value rays "$DIR/c.json")" = 64
+printf '0.5,0.5,0.5,0,0,1\n' >"$DIR/points.csv"
+ok "points" exits 0 measure "$cube" "${known[@]}" --accuracy 0.01 --points "$DIR/points.csv" \
+    -o "$DIR/lux.csv" --json "$DIR/d.json"
+ok "as well" within "$(value points_reached "$DIR/d.json")" 0.01
+ok "not with kept factors" fails 2 'does not go with it' solve "$cube" --accuracy 0.01 \
+    --factors "$DIR/F.links"
+
 # Without links.
 few=(--patches 400 --progress none --solver stochastic)
 ok "stochastic" exits 0 solve "$cube" "${few[@]}" --tolerance 0.1 --json "$DIR/few.json"
