@@ -11,8 +11,8 @@
 #include "base/parallel.h"
 #include "radiosity/group_internal.h"
 
-/* Rays of each patch and scrambling in the first round; four positions at least. */
-enum { RAYS_FIRST = 16, RAYS_LARGEST = 1 << 16 };
+/* Most rays of each patch and scrambling. */
+enum { RAYS_LARGEST = 1 << 16 };
 
 /* What polygon_factor_area is known to, of the smaller area. */
 static const double EXACT_ERROR = 1e-10;
@@ -197,7 +197,7 @@ double group_factor_error(const GroupFactors *f, uint32_t i, uint32_t j)
 }
 
 /* Takes the most expensive classes off the list until the rest fits; whether any is left. */
-static bool cut_to_budget(Grouping *g)
+static bool cut_to_budget(Grouping *g, uint64_t budget)
 {
     const uint32_t n = g->options->count;
     for (;;) {
@@ -205,18 +205,18 @@ static bool cut_to_budget(Grouping *g)
         uint32_t most = n;
         for (uint32_t c = 0; c < n; c++)
             if (g->again[c] != 0) {
-                rays += 2 * g->cast[c];
+                rays += g->cast[c];
                 most = most == n || g->cast[c] > g->cast[most] ? c : most;
             }
-        if (most == n || g->out->rays + rays <= g->options->most_rays)
+        if (most == n || g->out->rays + rays <= budget)
             return most < n;
         g->again[most] = 0;
     }
 }
 
-/* Marks the classes of pairs whose errors are too large and that rays can help, for twice the
- * rays, as far as the budget goes; whether there are any. */
-static bool mark(Grouping *g)
+/* Marks the classes of pairs whose errors are larger than `accuracy` and that rays can help, for
+ * twice the rays, as far as the budget goes; whether there are any. */
+static bool mark(Grouping *g, double accuracy, uint64_t budget)
 {
     const uint32_t n = g->options->count;
     GroupFactors *out = g->out;
@@ -226,7 +226,7 @@ static bool mark(Grouping *g)
         for (uint32_t b = 0; b < n; b++) {
             const double error = group_factor_error(out, a, b);
             out->reached = fmax(out->reached, error);
-            if (!(error > g->options->accuracy) ||
+            if (!(error > accuracy) ||
                 (out->kinds[(size_t)a * n + b] >> GROUP_RAYS & 1) == 0)
                 continue;
             /* A ray of the smaller class tells more, until it has no more to cast. */
@@ -236,7 +236,7 @@ static bool mark(Grouping *g)
         }
     for (uint32_t c = 0; c < n; c++)
         g->again[c] = g->again[c] != 0 && g->rays[c] < RAYS_LARGEST;
-    return cut_to_budget(g);
+    return cut_to_budget(g, budget);
 }
 
 static bool run(Grouping *g, Error *err)
@@ -246,13 +246,14 @@ static bool run(Grouping *g, Error *err)
         return false;
     add_exact(g);
     for (uint32_t c = 0; c < n; c++) {
-        g->rays[c] = RAYS_FIRST;
+        g->rays[c] = GROUP_RAYS_FIRST;
         g->again[c] = 1;
     }
     for (;;) {
         if (!group_rays_run(g, err) || !sum_all(g, err))
             return false;
-        if (!mark(g))
+        if (!mark(g, g->options->accuracy, g->options->most_rays) &&
+            !(g->options->trusted > 0 && mark(g, g->options->trusted, g->options->trusted_rays)))
             return true;
         for (uint32_t c = 0; c < n; c++)
             g->rays[c] *= g->again[c] != 0 ? 2 : 1;

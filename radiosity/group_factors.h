@@ -12,7 +12,8 @@
  * and what remains (curved faces, many blockers, too many sides to go through in pairs) together:
  *   RAYS     hemisphere rays from all classes; both directions are combined by their variances
  * Points and rays come from 16 independent scramblings of a net, and what these disagree by is the
- * standard error. Points and rays are doubled where errors are larger than asked for.
+ * standard error. Points and rays are doubled where errors are larger than asked for;
+ * rays go on with their nets, none is cast anew.
  * A F is symmetric by construction. Units: areas are scene units^2.
  * Threads  made in parallel, the same bytes for any number.
  */
@@ -33,6 +34,8 @@ typedef struct {
     const uint32_t *patch_class; /* [patches]  < count */
     double          accuracy;    /* standard error of factors that is asked for, > 0 */
     uint64_t        most_rays;   /* about; at least a first round is cast */
+    double          trusted;     /* standard error that is worth more rays than that, up to */
+    uint64_t        trusted_rays;/* this many; 0, 0: none */
     uint32_t        seed;
     unsigned        threads;
 } GroupOptions;

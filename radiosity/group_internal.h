@@ -27,6 +27,9 @@ enum { GROUP_BLOCKERS = 24 };
 /* Points of each scrambling that look at a clipped polygon at first. */
 enum { GROUP_POINTS_FIRST = 32 };
 
+/* Rays of each patch and scrambling in the first round; four positions at least. */
+enum { GROUP_RAYS_FIRST = 16 };
+
 /* What a point takes, in rays. */
 static inline double group_point_cost(uint32_t blockers) { return 1 + 0.5 * blockers; }
 

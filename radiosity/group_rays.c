@@ -34,7 +34,7 @@ typedef struct {
     uint32_t  count, first; /* first of the wave */
     RowTile  *tile;    /* [threads] */
     double   *dense;   /* [threads * classes] */
-    uint32_t  rays;    /* that the tiles are made for */
+    uint32_t  begin, rays; /* points of the nets to be cast; the tiles are made for `rays` */
     Sent      sent[WAVE];
     Error    *error;   /* [threads] */
 } Wave;
@@ -102,9 +102,11 @@ static void cast_patch(Wave *w, uint32_t patch, Sent *sent, unsigned worker)
     sent->count = 0;
     for (uint32_t r = 0; r < GROUP_SCRAMBLES;) {
         const uint32_t left = GROUP_SCRAMBLES - r, n = left < tile->most ? left : tile->most;
-        for (uint32_t k = 0; k < n; k++)
+        for (uint32_t k = 0; k < n; k++) {
+            tile->row[k].begin = w->begin;
             row_cast_rays(&tile->row[k], g->room, patch,
-                          sampling_seed(g->options->seed, SEED_GROUPS, r + k, w->rays));
+                          sampling_seed(g->options->seed, SEED_GROUPS, r + k, 0));
+        }
         bvh_nearest_many(g->room->bvh, tile->all.ray, tile->all.hit, (size_t)n * w->rays);
         for (uint32_t k = 0; k < n; k++) {
             row_cast_judge(&tile->row[k], g->room);
@@ -126,6 +128,7 @@ static void add_wave(Wave *w, uint32_t count)
 {
     Grouping *g = w->g;
     const size_t n = g->options->count;
+    const double part = w->begin > 0 ? 0.5 : 1;
     for (uint32_t k = 0; k < count; k++) {
         const Sent *sent = &w->sent[k];
         const uint32_t class = g->options->patch_class[w->patch[w->first + k]];
@@ -135,42 +138,47 @@ static void add_wave(Wave *w, uint32_t count)
             const Arrival *arrival = &sent->arrival[a];
             const size_t r = arrival->scramble;
             if (arrival->class == ESCAPED)
-                g->away[r * n + class] += arrival->share;
+                g->away[r * n + class] += part * arrival->share;
             else
-                g->sum[(r * n + class) * n + arrival->class] += arrival->share;
+                g->sum[(r * n + class) * n + arrival->class] += part * arrival->share;
         }
         for (size_t r = 0; r < GROUP_SCRAMBLES; r++)
-            g->seen[r * n + class] += sent->seen[r];
+            g->seen[r * n + class] += part * sent->seen[r];
     }
 }
 
-static void forget(Grouping *g, uint32_t class)
+/* What has been cast counts half from now on: the nets' points from n to 2 n - 1 are as many again,
+ * spread as evenly, and both together are the nets' first 2 n. */
+static void halve(Grouping *g, uint32_t class)
 {
     const size_t n = g->options->count;
-    g->cast[class] = 0;
     for (size_t r = 0; r < GROUP_SCRAMBLES; r++) {
-        memset(&g->sum[(r * n + class) * n], 0, n * sizeof *g->sum);
-        g->away[r * n + class] = g->seen[r * n + class] = 0;
+        for (size_t b = 0; b < n; b++)
+            g->sum[(r * n + class) * n + b] /= 2;
+        g->away[r * n + class] /= 2;
+        g->seen[r * n + class] /= 2;
     }
 }
 
-/* Patches of classes that want `rays`, in order. */
-static void list_patches(Wave *w)
+/* Patches of classes that want `rays` in all, in order. */
+static void list_patches(Wave *w, uint32_t rays)
 {
     const Grouping *g = w->g;
     w->count = 0;
     for (uint32_t i = 0; i < g->room->patches->count; i++) {
         const uint32_t class = g->options->patch_class[i];
-        if (g->again[class] != 0 && g->rays[class] == w->rays)
+        if (g->again[class] != 0 && g->rays[class] == rays)
             w->patch[w->count++] = i;
     }
 }
 
 /* Casts all classes that want the same number of rays. */
-static bool cast_like(Wave *w, Error *err)
+static bool cast_like(Wave *w, uint32_t rays, Error *err)
 {
     Grouping *g = w->g;
-    list_patches(w);
+    list_patches(w, rays);
+    w->begin = rays > GROUP_RAYS_FIRST ? rays / 2 : 0;
+    w->rays = rays - w->begin;
     for (unsigned k = 0; k < g->threads; k++)
         row_tile_create(&w->tile[k], w->rays, 0, err);
     bool done = !error_is_set(err);
@@ -214,10 +222,9 @@ bool group_rays_run(Grouping *g, Error *err)
     bool done = !error_is_set(err);
     for (uint32_t c = 0; done && c < g->options->count; c++)
         if (g->again[c] != 0)
-            forget(g, c);
+            halve(g, c);
     for (uint32_t rays = next_rays(g, 0); done && rays != UINT32_MAX; rays = next_rays(g, rays)) {
-        w->rays = rays;
-        done = cast_like(w, err);
+        done = cast_like(w, rays, err);
     }
     for (int k = 0; k < WAVE; k++)
         array_free(w->sent[k].arrival);

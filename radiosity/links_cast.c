@@ -106,7 +106,7 @@ static void make_rays(RowCast *row, const Room *room, uint32_t patch, uint32_t s
     for (uint32_t k = 0; k < row->rays; k++) {
         float x[4];
         PatchPoint at;
-        sampling_sobol4(k, seed, x);
+        sampling_sobol4(row->begin + k, seed, x);
         place_at(room, patch, x, &at);
         row->place[k][0] = x[0];
         row->place[k][1] = x[1];

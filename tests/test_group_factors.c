@@ -238,23 +238,29 @@ static void test_threads(void **state)
 
 /* Curved faces go by rays: a sphere of radius 1 around one of radius a half sees it with a quarter,
  * by reciprocity, and is all that one sees. */
-static void test_spheres(void **state)
+/* A sphere of radius 0.5 in one of radius 1. */
+static void two_spheres(TestRoom *r)
 {
-    (void)state;
-    TestRoom r = { 0 };
     Error err = { 0 };
-    const uint32_t m = room_material(&r, 0.5, 0);
+    const uint32_t m = room_material(r, 0.5, 0);
     for (int k = 0; k < 2; k++) {
         uint32_t group = 0;
         const double radius = k == 0 ? 0.5 : 1;
         const Affine map = { vec3(radius, 0, 0), vec3(0, radius, 0), vec3(0, 0, radius), ORIGIN };
         Shape sphere;
         assert_true(shape_init(&sphere, SHAPE_SPHERE, 0, &map, &err));
-        assert_true(polygons_add_group(&r.soup, k == 0 ? "inner" : "outer", &group, &err));
-        assert_true(polygons_add_shape(&r.soup, &sphere, m, group, &err));
+        assert_true(polygons_add_group(&r->soup, k == 0 ? "inner" : "outer", &group, &err));
+        assert_true(polygons_add_shape(&r->soup, &sphere, m, group, &err));
     }
     const Vec3 eye = vec3(0, 0, 0.75);
-    room_finish(&r, 0.5, &(SidesOptions){ .eye = &eye, .eye_count = 1 }, NULL, 0, NULL);
+    room_finish(r, 0.5, &(SidesOptions){ .eye = &eye, .eye_count = 1 }, NULL, 0, NULL);
+}
+
+static void test_spheres(void **state)
+{
+    (void)state;
+    TestRoom r = { 0 };
+    two_spheres(&r);
     GroupFactors *f = factors_of(&r, 1e-3, 0, 2);
     assert_true(fabs(group_factor(f, 0, 1) - 1) <= 3 * group_factor_error(f, 0, 1) + 1e-6);
     assert_true(fabs(group_factor(f, 1, 0) - 0.25) <= 3 * group_factor_error(f, 1, 0) + 1e-6);
@@ -264,9 +270,33 @@ static void test_spheres(void **state)
     room_clear(&r);
 }
 
+/* Rays beyond the budget until factors can be trusted, and no further. */
+static void test_trusted(void **state)
+{
+    (void)state;
+    TestRoom r = { 0 };
+    two_spheres(&r);
+    uint64_t rays[2];
+    for (int k = 0; k < 2; k++) {
+        Error err = { 0 };
+        const GroupOptions o = { .count = 2, .patch_class = r.patches->group, .accuracy = 1e-9,
+                                 .trusted = k == 0 ? 0 : 3e-5,
+                                 .trusted_rays = k == 0 ? 0 : 1 << 23 };
+        GroupFactors *f = group_factors_create(&r.room, &o, NULL, &err);
+        assert_non_null(f);
+        assert_true(fabs(group_factor(f, 1, 1) - 0.75) <= 4 * group_factor_error(f, 1, 1));
+        assert_true(k == 0 || f->reached <= 3e-5);
+        rays[k] = f->rays;
+        group_factors_destroy(f);
+    }
+    assert_true(rays[1] > rays[0] && rays[1] < 1 << 23);
+    room_clear(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_trusted),
         cmocka_unit_test(test_sight),      cmocka_unit_test(test_shaft),
         cmocka_unit_test(test_cube),       cmocka_unit_test(test_pieces),
         cmocka_unit_test(test_obstructed), cmocka_unit_test(test_threads),
