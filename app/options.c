@@ -425,9 +425,6 @@ static bool options_agree(const Options *options, Error *err)
         !options->adapt)
         return error_set(err, ERROR_USAGE, "give --patch-size or --patches, not both, but for "
                          "--adapt, which takes the greatest size and the total");
-    if (options->adapt && options->factors != NULL)
-        return error_set(err, ERROR_USAGE, "--factors keeps patches that do not depend on light; "
-                         "it does not go with --adapt");
     if (options->adapt && options->no_adapt)
         return error_set(err, ERROR_USAGE, "give --adapt or --no-adapt, not both");
     if (options->camera != NULL && options_given(options, OPTION_EYE))

@@ -23,7 +23,7 @@ static const Level levels[] = {
 };
 
 /* By default only where the number of patches is free: who asks for a size means it. Factors that
- * are kept must serve other light as well. */
+ * are kept must serve other light as well, so they are those before any division. */
 static bool adapts(const Options *options)
 {
     const bool can = (options_table()[OPTION_ADAPT].commands & (unsigned)options->command) != 0;

@@ -25,7 +25,13 @@ ok "bit for bit" cmp "$DIR/n.ply" "$DIR/m.ply"
 ok "other options" fails 3 'f.ilf: .*other options' solve "$scene" "${kept[@]}" --rays 50
 ok "another scene" fails 3 'f.ilf: .*another scene' solve "$files/furnace.msd" "${kept[@]}"
 ok "render and factors share it" exits 3 factors "$scene" "${kept[@]}" --patches 100 -o "$DIR/x.csv"
-ok "not with --adapt" fails 2 'adapt' solve "$scene" "${kept[@]}" --adapt
+ok "divided without a file" exits 0 solve "$scene" "${fast[@]}" --adapt -o "$DIR/d.ply"
+for kind in written read; do
+    ok "--adapt, the first factors $kind" exits 0 solve "$scene" "${fast[@]}" --adapt \
+        --factors "$DIR/d.ilf" -o "$DIR/e.ply"
+    ok "divided the same" cmp "$DIR/d.ply" "$DIR/e.ply"
+done
+ok "its patches are others" fails 3 'd.ilf: ' solve "$scene" "${fast[@]}" --factors "$DIR/d.ilf"
 size=$(wc -c <"$DIR/f.ilf")
 head -c $((size - 1)) "$DIR/f.ilf" >"$DIR/cut.ilf"
 ok "a file that is cut" fails 3 'cut.ilf: .*cut or damaged' solve "$scene" "${fast[@]}" \
