@@ -211,6 +211,7 @@ static void put_solve(Json *json, const Pipeline *pipeline)
     json_number(json, "error_bound", solution->error_bound);
     if (stochastic) {
         json_number(json, "estimated_error", pipeline->stochastic.error);
+        json_numbers(json, "balance_scale", pipeline->stochastic.scale, ROOM_BANDS);
         json_count(json, "rays", pipeline->stochastic.rays);
         json_count(json, "groups", pipeline->stochastic.groups);
     }

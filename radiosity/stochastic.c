@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* radiosity/stochastic.c -- batches of shots, until two halves of them agree. */
+/* radiosity/stochastic.c -- batches of shots, then rounds of gathering, until two halves agree. */
 #include "radiosity/stochastic.h"
 
 #include <assert.h>
@@ -21,8 +21,15 @@ enum { LAMP_SHOTS = 1, LAMP_SAMPLES = 2, FIRST_SHOTS = 2 };
 /* No pass shoots fewer rays than this, so that the last ones take no colour from another. */
 enum { SHOTS_LEAST = 4096 };
 
-/* Two pairs tell the error better than one. */
-enum { BATCHES_LEAST = 4 };
+/* Shot, before light is gathered by what they brought. */
+enum { BATCHES = 4 };
+
+/* Standard deviation of a ray to a lamp that nothing hides, to its mean: a lamp near by is seen
+ * under other angles from its one end than from its other one. */
+static const double SIGHT_SPREAD = 0.5;
+
+/* Rays of a round for each ray over a hemisphere: two halves, and as many to lamps on average. */
+enum { ROUND_KINDS = 4 };
 
 /* A batch leaves this share of what it reflected first to the next one; the last one what rounding
  * of sums leaves. */
@@ -38,13 +45,15 @@ typedef struct {
     double   *direct[2], *indirect[2];   /* [n]  power that came in each half */
     double   *even[2];                   /* [n]  direct and indirect, both evened out */
     double   *spare[2];                  /* [n] */
-    float    *noise;                     /* [patches]  variance of direct power */
+    uint16_t *sights;                    /* [patches]  rays to lamps, in each half of a round */
     EvenTree  tree;
     size_t    n;
-    uint32_t  batches;
+    uint32_t  batches, rounds;           /* shot; gathered, rounds of two halves each */
+    double    parts;                     /* that direct and indirect are sums of, both halves */
+    double    scale[ROOM_BANDS];         /* of irradiance, for power to balance */
     double    quantum;                   /* of power that a ray carries after a reflection */
     double    escaped[ROOM_BANDS];       /* of all batches */
-    double    begun;
+    double    unshot, begun;
     StochasticReport *report;
 } Run;
 
@@ -61,13 +70,12 @@ static bool run_create(Run *run, Error *err)
     double **all[] = { &run->power, &run->left, &run->arrived, &run->direct[0], &run->direct[1],
                        &run->indirect[0], &run->indirect[1], &run->even[0], &run->even[1],
                        &run->spare[0], &run->spare[1] };
-    run->noise = array_create(run->shooter.count, sizeof *run->noise, what, err);
+    run->sights = array_create(run->shooter.count, sizeof *run->sights, what, err);
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         *all[k] = array_create(run->n, sizeof **all[k], what, err);
     return !error_is_set(err) && shooter_create(&run->shooter, err) &&
-           (run->options->apart ||
-            even_tree_create(run->shooter.room, run->shooter.places->links->area,
-                             run->shooter.threads, &run->tree, err));
+           even_tree_create(run->shooter.room, run->shooter.places->links->area,
+                            run->shooter.threads, &run->tree, err);
 }
 
 static void run_clear(Run *run)
@@ -75,7 +83,7 @@ static void run_clear(Run *run)
     double *all[] = { run->power, run->left, run->arrived, run->direct[0], run->direct[1],
                       run->indirect[0], run->indirect[1], run->even[0], run->even[1], run->spare[0],
                       run->spare[1] };
-    array_free(run->noise);
+    array_free(run->sights);
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         array_free(all[k]);
     shooter_clear(&run->shooter);
@@ -171,41 +179,43 @@ static double luminance(const double *v)
     return rgb_luminance(rgb(v[0], v[1], v[2]));
 }
 
-/* Evens out, light straight from lamps by how much their visibility rays differed. */
+/* Evens out, each kind of light by itself. */
 static void even_out_all(Run *run)
 {
-    const Shooter *s = &run->shooter;
-    const double *area = s->places->links->area, rays = (double)s->samples * run->batches;
+    const double *area = run->shooter.places->links->area;
     for (unsigned h = 0; h < 2; h++) {
         memcpy(run->even[h], run->direct[h], run->n * sizeof *run->even[h]);
         memcpy(run->spare[h], run->indirect[h], run->n * sizeof *run->spare[h]);
     }
-    for (uint32_t i = 0; i < s->count; i++)
-        run->noise[i] = (float)fmax(0, s->square[i] - s->seen[i] * (double)s->seen[i] / rays);
-    if (!run->options->apart)
-        even_tree_apply(&run->tree, area, 0, run->noise, run->even);
-    if (!run->options->apart && run->quantum > 0)
-        run->report->groups = even_tree_apply(&run->tree, area, run->quantum, NULL, run->spare);
+    if (!run->options->apart) {
+        even_tree_fit(&run->tree, area, run->even);
+        run->report->groups = even_tree_fit(&run->tree, area, run->spare);
+    }
     for (unsigned h = 0; h < 2; h++)
         for (size_t k = 0; k < run->n; k++)
             run->even[h][k] += run->spare[h][k];
 }
 
-/* How far the two halves are apart. */
+/* What noise is left, by how far the two halves are apart, and what evening out did to light: as
+ * far as that is more than it did to the difference of the halves, in which there is no light. */
 static double estimate_error(Run *run)
 {
-    double off = 0, sum = 0, areas = 0;
+    double noise = 0, bias = 0, sum = 0, areas = 0;
     even_out_all(run);
     for (size_t k = 0; k < run->n; k += ROOM_BANDS) {
         const double area = area_of(run, k);
         if (!(area > 0))
             continue;
         const double a = luminance(&run->even[0][k]), b = luminance(&run->even[1][k]);
-        off += (a - b) * (a - b) / area;
+        const double raw_a = luminance(&run->direct[0][k]) + luminance(&run->indirect[0][k]);
+        const double raw_b = luminance(&run->direct[1][k]) + luminance(&run->indirect[1][k]);
+        const double moved_a = raw_a - a, moved_b = raw_b - b;
+        noise += (a - b) * (a - b) / area;
+        bias += 4 * moved_a * moved_b / area;
         sum += a + b;
         areas += area;
     }
-    return sum > 0 ? sqrt(off * areas) / sum : 0;
+    return sum > 0 ? sqrt((noise + fmax(bias, 0)) * areas) / sum : 0;
 }
 
 /* Power that there is in one batch, of all bands; what is left of all of them, relative to it. */
@@ -226,6 +236,148 @@ static uint64_t count_rays(const Run *run)
     return rays;
 }
 
+/* --- gathering -------------------------------------------------------------------------------- */
+
+/* Variance of what one ray to the lamps tells about a patch's power, over its area: by how much
+ * those of the shooting differed; and a share of the light itself, for where the lamps' own rays
+ * counted instead. */
+static double sight_spread(const Run *run, uint32_t i)
+{
+    const Shooter *s = &run->shooter;
+    const double cast = (double)s->samples * run->batches, area = s->places->links->area[i];
+    const double squares = fmax(0, s->square[i] - s->seen[i] * (double)s->seen[i] / cast);
+    double power = 0;
+    for (unsigned k = 0; k < 2 * ROOM_BANDS; k++)
+        power += run->direct[k / ROOM_BANDS][(size_t)i * ROOM_BANDS + k % ROOM_BANDS];
+    power *= SIGHT_SPREAD / run->batches;
+    return area > 0 ? (squares * s->samples * s->samples / cast + power * power) / area : 0;
+}
+
+/* Rays to lamps where they differ: in each half of a round, in proportion to the root of area times
+ * variance; powers of 2, as nets have them. */
+static void deal_sights(Run *run, uint32_t rays)
+{
+    const EvenTree *tree = &run->tree;
+    double *spread = run->arrived, all = 0;
+    for (uint32_t i = 0; i < run->shooter.count; i++)
+        spread[i] = sight_spread(run, i);
+    even_tree_pool(tree, spread, run->shooter.square);
+    for (uint32_t k = 0; k < tree->count; k++)
+        all += sqrt(run->shooter.square[tree->order[k]]);
+    for (uint32_t k = 0; k < tree->count; k++) {
+        const uint32_t i = tree->order[k];
+        const double root = sqrt(run->shooter.square[i]);
+        const double wanted = all > 0 ? root / all * tree->count * rays : 1;
+        uint32_t sights = 1;
+        while (sights < GATHER_SIGHTS && sights * M_SQRT2 < wanted)
+            sights *= 2;
+        run->sights[i] = (uint16_t)sights;
+    }
+}
+
+typedef struct {
+    Run   *run;
+    Gather gather;
+    double *direct, *indirect; /* [n]  power that comes in this half and round */
+} GatherPass;
+
+static void gather_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
+{
+    const GatherPass *pass = context;
+    Shooter *s = &pass->run->shooter;
+    ShotScratch *c = &s->scratch[worker];
+    const double *received = s->problem->received;
+    gather_patches(&pass->gather, c, begin, end, c->gathered);
+    for (uint32_t k = begin; k < end; k++) {
+        const Gathered *g = &c->gathered[k - begin];
+        const uint32_t i = pass->run->tree.order[k];
+        s->missed[i] += (float)g->missed;
+        s->told[i] += (float)g->rays;
+        for (unsigned b = 0; b < ROOM_BANDS; b++) {
+            const size_t at = (size_t)i * ROOM_BANDS + b;
+            const double area = area_of(pass->run, at);
+            pass->direct[at] = area * (g->direct[b] + (received != NULL ? received[at] : 0));
+            pass->indirect[at] = area * g->indirect[b];
+        }
+    }
+}
+
+/* Gathers once in each half what patches send by what that half knows of them; into even and
+ * spare. False: stopped. */
+static bool gather_halves(Run *run, uint32_t rays, const Monitor *monitor)
+{
+    Shooter *s = &run->shooter;
+    const double *rho = s->problem->reflectance;
+    uint32_t sights = 0;
+    for (uint32_t k = 0; k < run->tree.count; k++) {
+        const uint32_t own = run->sights[run->tree.order[k]];
+        sights = (sights + own - 1) / own * own; /* a net begins at a multiple of its size */
+        s->first_ray[k] = sights;
+        sights += own;
+    }
+    double *const reflected[2] = { run->power, run->left };
+    for (unsigned h = 0; h < 2; h++)
+        for (size_t k = 0; k < run->n; k++) {
+            const double area = area_of(run, k);
+            const double power = 2 * run->even[h][k] / run->parts;
+            reflected[h][k] = area > 0 ? rho[k] * run->scale[k % ROOM_BANDS] * power / area : 0;
+        }
+    for (unsigned h = 0; h < 2; h++) {
+        GatherPass pass = { .run = run, .direct = run->even[h], .indirect = run->spare[h],
+                            .gather = { .shooter = s, .reflected = reflected[h],
+                                        .order = run->tree.order, .sights = run->sights,
+                                        .first_sight = s->first_ray, .rays = rays,
+                                        .hemisphere_seed = sampling_seed(s->seed, SEED_POINTS,
+                                                                         run->rounds, h),
+                                        .sight_seed = sampling_seed(s->seed, SEED_POINTS,
+                                                                    run->rounds, 2 + h) } };
+        if (!parallel_for(run->tree.count, GATHER_CHUNK, s->threads, gather_chunk, &pass, monitor,
+                          NULL))
+            return false;
+    }
+    return true;
+}
+
+/* How irradiance must be scaled for what is absorbed or escapes to be what is sent; what escapes
+ * from each patch, its rays have told. */
+static void find_scale(Run *run)
+{
+    const Shooter *s = &run->shooter;
+    const SolveProblem *p = s->problem;
+    double sent[ROOM_BANDS] = { 0 }, away[ROOM_BANDS] = { 0 }, gone[ROOM_BANDS] = { 0 };
+    for (size_t k = 0; k < run->n; k++) {
+        const uint32_t i = (uint32_t)(k / ROOM_BANDS);
+        const double area = area_of(run, k), rho = p->reflectance[k];
+        const double open = s->told[i] > 0 ? s->missed[i] / (double)s->told[i] : 0;
+        const double power = (run->even[0][k] + run->even[1][k]) / run->parts;
+        sent[k % ROOM_BANDS] += area * (p->emission[k] * (1 - open) +
+                                        (p->received != NULL ? p->received[k] : 0));
+        away[k % ROOM_BANDS] += area * p->emission[k] * open;
+        gone[k % ROOM_BANDS] += power * (1 - rho + rho * open);
+        run->arrived[k] = power * rho * open;
+    }
+    memset(run->escaped, 0, sizeof run->escaped);
+    for (size_t k = 0; k < run->n; k++)
+        run->escaped[k % ROOM_BANDS] += run->arrived[k];
+    for (unsigned b = 0; b < ROOM_BANDS; b++) {
+        run->scale[b] = gone[b] > 0 ? sent[b] / gone[b] : 1;
+        run->escaped[b] = away[b] + run->scale[b] * run->escaped[b];
+    }
+}
+
+/* Adds what a round brought. */
+static void add_round(Run *run)
+{
+    const bool first = run->rounds == 0;
+    for (unsigned h = 0; h < 2; h++)
+        for (size_t k = 0; k < run->n; k++) {
+            run->direct[h][k] = (first ? 0 : run->direct[h][k]) + run->even[h][k];
+            run->indirect[h][k] = (first ? 0 : run->indirect[h][k]) + run->spare[h][k];
+        }
+    run->rounds++;
+    run->parts = 2 * run->rounds;
+}
+
 /* --- all of it -------------------------------------------------------------------------------- */
 
 static void fill_solution(Run *run, Solution *solution)
@@ -233,14 +385,14 @@ static void fill_solution(Run *run, Solution *solution)
     const SolveProblem *p = run->shooter.problem;
     for (size_t k = 0; k < run->n; k++) {
         const double area = area_of(run, k);
-        const double power = run->even[0][k] + run->even[1][k];
-        solution->irradiance[k] = area > 0 ? power / run->batches / area : 0;
+        const double power = (run->even[0][k] + run->even[1][k]) * run->scale[k % ROOM_BANDS];
+        solution->irradiance[k] = area > 0 ? power / run->parts / area : 0;
         solution->radiosity[k] = p->emission[k] + p->reflectance[k] * solution->irradiance[k];
     }
-    solution->unshot = solution->residual = unshot_share(run);
-    solution->iterations = run->batches;
-    for (unsigned b = 0; b < ROOM_BANDS; b++)
-        run->report->escaped[b] = run->escaped[b] / run->batches;
+    solution->unshot = solution->residual = run->unshot;
+    solution->iterations = run->batches + 2 * run->rounds;
+    memcpy(run->report->escaped, run->escaped, sizeof run->escaped);
+    memcpy(run->report->scale, run->scale, sizeof run->scale);
     run->report->rays = count_rays(run);
 }
 
@@ -252,29 +404,24 @@ static void tell(Run *run, Solution *solution, double share, const Monitor *moni
     if (run->options->trace == NULL)
         return;
     fill_solution(run, solution);
-    const SolveStep step = { .step = run->batches, .seconds = clock_seconds() - run->begun,
+    const SolveStep step = { .step = solution->iterations,
+                             .seconds = clock_seconds() - run->begun,
                              .residual = run->report->error, .unshot = solution->unshot,
                              .error_bound = NAN, .radiosity = solution->radiosity,
                              .passes = (double)count_rays(run) / run->shooter.count };
     run->options->trace(run->options->trace_user, &step);
 }
 
-static void run_batches(Run *run, Solution *solution, const Monitor *monitor)
+/* Shoots all there is, in two halves. */
+static void shoot_all(Run *run, Solution *solution, double most, const Monitor *monitor)
 {
-    const StochasticOptions *o = run->options;
-    const double tolerance = o->tolerance > 0 ? o->tolerance : DEFAULT_TOLERANCE;
-    const double most = (double)(o->rays > 0 ? o->rays : 256) * run->shooter.count;
-    bool stopped = false, reached = false, spent = false;
-    while (!reached && !spent && !stopped) {
+    bool stopped = false, spent = false;
+    while (run->batches < BATCHES && !spent && !stopped) {
         run_batch(run);
         run_batch(run);
-        run->report->error = estimate_error(run);
-        reached = run->batches >= BATCHES_LEAST && run->report->error <= tolerance;
         const double rays = (double)count_rays(run);
         spent = rays + 2 * rays / run->batches > most;
         stopped = monitor_stop(monitor);
-        const double squared = tolerance / fmax(run->report->error, tolerance);
-        tell(run, solution, fmin(1, fmax(squared * squared, rays / most)), monitor);
     }
     if (run->quantum > 0) {
         double *const swap = run->left;
@@ -282,7 +429,49 @@ static void run_batches(Run *run, Solution *solution, const Monitor *monitor)
         run->power = swap;
         reflect_all(run, run->indirect[0], LEFT_AT_LAST * run->quantum * FIRST_SHOTS
                     * run->shooter.count, REFLECTIONS_MOST);
+    }
+    run->parts = run->batches;
+    for (unsigned b = 0; b < ROOM_BANDS; b++)
+        run->escaped[b] /= run->batches;
+    run->unshot = unshot_share(run);
+    run->report->error = estimate_error(run);
+    tell(run, solution, fmin(1, (double)count_rays(run) / most), monitor);
+}
+
+/* Rays of a half of a round: fewer where a whole round would be too many. */
+static uint32_t round_rays(const Run *run, double most)
+{
+    const double left = (most - (double)count_rays(run)) / run->shooter.count;
+    uint32_t rays = GATHER_RAYS / 2;
+    while (rays > 1 && ROUND_KINDS * rays > left)
+        rays /= 2;
+    return ROUND_KINDS * rays > left ? 0 : rays;
+}
+
+static void solve_all(Run *run, Solution *solution, const Monitor *monitor)
+{
+    const StochasticOptions *o = run->options;
+    const double tolerance = o->tolerance > 0 ? o->tolerance : DEFAULT_TOLERANCE;
+    const double most = (double)(o->rays > 0 ? o->rays : 256) * run->shooter.count;
+    for (unsigned b = 0; b < ROOM_BANDS; b++)
+        run->scale[b] = 1;
+    shoot_all(run, solution, most, monitor);
+    const uint32_t rays = run->quantum > 0 || run->shooter.lamp_power > 0
+                              ? round_rays(run, most) : 0;
+    deal_sights(run, rays);
+    bool reached = rays == 0;
+    while (!reached && round_rays(run, most) >= rays && !monitor_stop(monitor)) {
+        if (!gather_halves(run, rays, monitor)) {
+            run->report->error = estimate_error(run);
+            break;
+        }
+        add_round(run);
         run->report->error = estimate_error(run);
+        find_scale(run);
+        reached = run->report->error <= tolerance;
+        const double squared = tolerance / fmax(run->report->error, tolerance);
+        tell(run, solution, fmin(1, fmax(squared * squared, (double)count_rays(run) / most)),
+             monitor);
     }
     solution->converged = run->report->error <= tolerance;
 }
@@ -309,7 +498,7 @@ Solution *stochastic_solve(const Room *room, const OpenPlaces *places, const Sol
     }
     const bool done = !error_is_set(err) && run_create(&run, err);
     if (done) {
-        run_batches(&run, solution, monitor);
+        solve_all(&run, solution, monitor);
         fill_solution(&run, solution);
         solution->seconds = clock_seconds() - run.begun;
     }

@@ -5,12 +5,15 @@
  * All patches shoot what they have not shot yet at once, each ray the same share of it, until next
  * to nothing is left: stochastic relaxation [neumann95; bekaert99]. What lamps send straight to the
  * patches is found by visibility rays as well, and the two are weighed by the balance heuristic
- * [veach95]. Both are done in batches with points of their own, two halves of them kept apart: how
- * far these differ tells the error. What arrives after a reflection is evened out over neighbouring
- * patches as far as its noise hides differences between them.
+ * [veach95]. Then each patch gathers, in rounds, what the others were found to send: rays over its
+ * hemisphere, and rays to lamps, more of them where these are near or seen in part; patches that
+ * stand together share nets of points. All is done in two halves with points of their own: how far
+ * these differ tells the noise. Light is evened out over neighbouring patches, by the linear
+ * functions of place that have the least estimated error.
  * Memory   some 300 bytes per patch, whatever the number of rays.
  * Units    E, B exitance; H irradiance; three bands.
- * Balance  each shot's power arrives or escapes; what lacks of the sum is what was never shot.
+ * Balance  each shot's power arrives or escapes; what lacks of the sum is what was never shot. What
+ *          is gathered is scaled, by a number near 1 that the report tells, for the same to hold.
  * Threads  made in parallel, same bytes for any number.
  */
 #ifndef RADIOSITY_STOCHASTIC_H
@@ -39,20 +42,23 @@ typedef struct {
     uint32_t seed;
     unsigned threads;
     bool     apart;      /* do not even out over neighbours */
-    void   (*trace)(void *user, const SolveStep *step); /* after each pair of batches: residual is
-                                                            the estimated error */
+    void   (*trace)(void *user, const SolveStep *step); /* after shooting, after each round:
+                                                            residual is the estimated error */
     void    *trace_user;
 } StochasticOptions;
 
 typedef struct {
-    double   error;      /* estimated: root mean square over areas / that of irradiance */
+    double   error;      /* estimated: root mean square over areas, relative to the mean of
+                            irradiance; noise, and what evening out did to light itself */
+    double   scale[ROOM_BANDS]; /* that irradiance was scaled by for power to balance */
     double   escaped[ROOM_BANDS]; /* power, of what patches sent */
     uint64_t rays;       /* cast */
     uint32_t groups;     /* that light was evened out over */
 } StochasticReport;
 
-/* The problem's bands are ROOM_BANDS. In the solution iterations are batches, residual and unshot
- * the power never shot, error_bound NAN; converged: the estimated error is below the tolerance.
+/* The problem's bands are ROOM_BANDS. In the solution iterations are batches and halves of
+ * rounds, residual and unshot the power never shot, error_bound NAN; converged: the estimated
+ * error is below the tolerance.
  * Where not even one pair of batches may be cast, one is.
  * owns   the caller frees with solution_destroy.
  * fails  NULL; ERROR_MEMORY. A stop by the monitor gives what there is, not converged. */

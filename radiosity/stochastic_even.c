@@ -17,12 +17,6 @@ static const double NORMAL_SCALE = 2;
  * and each sees the other from above, lifted by this share of their distance. */
 static const double JOIN_COSINE = 0.9, LIFT = 0.25;
 
-/* A node with this many rays is known well enough (1 %): it is joined with no other. */
-static const double ENOUGH_RAYS = 10000;
-
-/* Differences up to this many standard deviations, squared, are taken for noise. */
-static const double NOISE = 6;
-
 enum { JOIN_CHUNK = 8192 };
 
 typedef struct {
@@ -153,6 +147,8 @@ bool even_tree_create(const Room *room, const double *area, unsigned threads, Ev
     TreeMaker m = { .room = room, .tree = tree };
     tree->order = array_create(p->count, sizeof *tree->order, what, err);
     tree->joined = array_create(p->count, sizeof *tree->joined, what, err);
+    tree->group = array_create(p->count, sizeof *tree->group, what, err);
+    tree->place = p->centre;
     m.key = array_create(p->count, sizeof *m.key, what, err);
     m.pair = array_create(p->count, sizeof *m.pair, what, err);
     if (!error_is_set(err)) {
@@ -178,102 +174,6 @@ void even_tree_clear(EvenTree *tree)
 {
     array_free(tree->order);
     array_free(tree->joined);
+    array_free(tree->group);
     *tree = (EvenTree){ .count = 0 };
-}
-
-/* --- use -------------------------------------------------------------------------------------- */
-
-typedef struct {
-    const EvenTree *tree;
-    const double   *area;
-    double          quantum;  /* 0: see noise */
-    const float    *noise;    /* [count]  variance of power */
-    double         *const *half;
-    uint32_t        groups;
-} Evening;
-
-/* Of one node: patches that nothing reached do not count, they may be dark for good. */
-typedef struct {
-    double area, power, noise;
-    bool   even;      /* differences within are noise */
-} EvenNode;
-
-static double total(const Evening *e, uint32_t patch)
-{
-    double sum = 0;
-    for (unsigned h = 0; h < 2; h++)
-        for (unsigned b = 0; b < ROOM_BANDS; b++)
-            sum += e->half[h][(size_t)patch * ROOM_BANDS + b];
-    return sum;
-}
-
-/* Gives a node's patches their shares of its power. */
-static void settle(Evening *e, uint32_t begin, uint32_t end, const EvenNode *node)
-{
-    double sum[2][ROOM_BANDS] = { { 0 } };
-    if (!node->even || !(node->area > 0))
-        return;
-    e->groups++;
-    for (uint32_t k = begin; k < end; k++)
-        for (unsigned at = 0; at < 2 * ROOM_BANDS; at++)
-            sum[at / ROOM_BANDS][at % ROOM_BANDS] +=
-                e->half[at / ROOM_BANDS][(size_t)e->tree->order[k] * ROOM_BANDS + at % ROOM_BANDS];
-    for (uint32_t k = begin; k < end; k++) {
-        const uint32_t i = e->tree->order[k];
-        if (!(total(e, i) > 0))
-            continue;
-        for (unsigned at = 0; at < 2 * ROOM_BANDS; at++)
-            e->half[at / ROOM_BANDS][(size_t)i * ROOM_BANDS + at % ROOM_BANDS] =
-                sum[at / ROOM_BANDS][at % ROOM_BANDS] * e->area[i] / node->area;
-    }
-}
-
-/* Whether the halves differ by no more than noise. */
-static bool alike(const Evening *e, const EvenNode *a, const EvenNode *b)
-{
-    if (!(a->area > 0 && b->area > 0))
-        return true;
-    const double power = a->power + b->power;
-    if (e->noise != NULL ? power * power > ENOUGH_RAYS * (a->noise + b->noise)
-                         : power > ENOUGH_RAYS * e->quantum)
-        return false;
-    const double off = a->power / a->area - b->power / b->area;
-    /* The mean of both, not what each has: noise of the smaller would be taken for small. */
-    const double mean = power / (a->area + b->area);
-    if (e->noise != NULL)
-        return off * off <= NOISE * (a->noise / (a->area * a->area) +
-                                     b->noise / (b->area * b->area));
-    return off * off <= NOISE * e->quantum * mean * (1 / a->area + 1 / b->area);
-}
-
-static EvenNode even_out(Evening *e, uint32_t begin, uint32_t end)
-{
-    if (end - begin == 1) {
-        const uint32_t i = e->tree->order[begin];
-        const double power = total(e, i);
-        return (EvenNode){ .area = power > 0 ? e->area[i] : 0, .power = power,
-                           .noise = e->noise != NULL && power > 0 ? e->noise[i] : 0,
-                           .even = true };
-    }
-    const uint32_t middle = begin + (end - begin) / 2;
-    const EvenNode a = even_out(e, begin, middle), b = even_out(e, middle, end);
-    const EvenNode node = { a.area + b.area, a.power + b.power, a.noise + b.noise,
-                            a.even && b.even && e->tree->joined[middle] && alike(e, &a, &b) };
-    if (!node.even) {
-        settle(e, begin, middle, &a);
-        settle(e, middle, end, &b);
-    }
-    return node;
-}
-
-uint32_t even_tree_apply(const EvenTree *tree, const double *area, double quantum,
-                         const float *noise, double *half[2])
-{
-    Evening e = { .tree = tree, .area = area, .quantum = quantum, .noise = noise, .half = half };
-    assert(quantum > 0 || noise != NULL);
-    if (tree->count > 0) {
-        const EvenNode all = even_out(&e, 0, tree->count);
-        settle(&e, 0, tree->count, &all);
-    }
-    return e.groups;
 }

@@ -19,6 +19,14 @@ typedef struct {
     float    weight;
 } Shot;
 
+/* Irradiance of one patch. */
+typedef struct {
+    double   direct[ROOM_BANDS], indirect[ROOM_BANDS];
+    uint32_t rays, missed;     /* that told something; that met nothing */
+} Gathered;
+
+enum { GATHER_CHUNK = 512, GATHER_RAYS = 32, GATHER_SIGHTS = 2048 };
+
 /* What a thread traces rays with. */
 typedef struct {
     Ray      *ray;      /* [SHOT_CHUNK] */
@@ -28,6 +36,7 @@ typedef struct {
     uint32_t *source;   /* [SHOT_CHUNK] */
     float    *value;    /* [SHOT_CHUNK] */
     Shot     *shot;     /* [SHOT_CHUNK] */
+    Gathered *gathered; /* [GATHER_CHUNK] */
     uint64_t  rays;
 } ShotScratch;
 
@@ -49,6 +58,7 @@ typedef struct {
     uint32_t     samples;       /* to lamps, per patch and batch */
     float       *seen, *square; /* [count]  power of all bands by visibility rays, of all batches;
                                    sum of its squares */
+    float       *missed, *told; /* [count]  gathering rays that met nothing; that told something */
     ShotScratch *scratch;       /* [threads] */
     ShotChunk   *chunk;         /* [SHOT_ROUND] */
     uint32_t    *first_ray;     /* [count + 1]  of each patch, in the pass under way */
@@ -88,6 +98,22 @@ void shooter_light(Shooter *shooter, uint32_t batch, uint32_t rays, double *emit
 double shooter_share(const Shooter *shooter, uint32_t lamp, uint32_t patch, double weight,
                      double geometry, uint32_t rays);
 
+/* --- gathering -------------------------------------------------------------------------------- */
+
+/* One round: rays over the hemisphere of patches, and to lamps. */
+typedef struct {
+    const Shooter  *shooter;
+    const double   *reflected; /* [count * bands]  rho H */
+    const uint32_t *order;     /* patches; those that stand together share one net of points */
+    const uint16_t *sights;    /* [count]  of each patch: rays to lamps */
+    const uint32_t *first_sight; /* [count]  by place in `order`: in the net */
+    uint32_t        rays;      /* of each patch over its hemisphere */
+    uint32_t        hemisphere_seed, sight_seed;
+} Gather;
+
+/* Light that comes to patches order[begin..end-1], at most GATHER_CHUNK, into out. */
+void gather_patches(const Gather *g, ShotScratch *c, uint32_t begin, uint32_t end, Gathered *out);
+
 /* --- evening out ------------------------------------------------------------------------------ */
 
 /* A tree over the patches: those that lie and look alike stand together. */
@@ -96,16 +122,22 @@ typedef struct {
     uint32_t *order;   /* [count] */
     uint8_t  *joined;  /* [count]  of the node that is parted at this place: its halves see each
                           other */
+    uint8_t  *group;   /* [count]  scratch of even_tree_fit */
+    const Vec3 *place; /* [count]  of each patch */
 } EvenTree;
+
+/* Patches whose noise is told together: enough for 35 % of it. */
+enum { EVEN_POOL = 16 };
 
 bool even_tree_create(const Room *room, const double *area, unsigned threads, EvenTree *tree,
                       Error *err);
 void even_tree_clear(EvenTree *tree);
 
-/* Evens out power [count * bands] that came in two halves over nodes where what is seen of
- * differences is noise; in place, sums are kept. How noisy the sum over bands and halves is: each
- * ray brought `quantum`, or noise [count] has its variance. Returns the number of groups. */
-uint32_t even_tree_apply(const EvenTree *tree, const double *area, double quantum,
-                         const float *noise, double *half[2]);
+/* Replaces power [count * bands] that came in two independent halves by linear functions of place
+ * over groups of patches; in place, sums over groups are kept. Returns the number of groups. */
+uint32_t even_tree_fit(const EvenTree *tree, const double *area, double *half[2]);
+
+/* mean [count]: of value [count] over EVEN_POOL patches that follow each other in the tree. */
+void even_tree_pool(const EvenTree *tree, const double *value, float *mean);
 
 #endif

@@ -25,6 +25,8 @@ bool shooter_create(Shooter *s, Error *err)
     s->first_ray = array_create((size_t)s->count + 1, sizeof *s->first_ray, what, err);
     s->seen = array_create(s->count, sizeof *s->seen, what, err);
     s->square = array_create(s->count, sizeof *s->square, what, err);
+    s->missed = array_create(s->count, sizeof *s->missed, what, err);
+    s->told = array_create(s->count, sizeof *s->told, what, err);
     for (unsigned k = 0; k < s->threads && s->scratch != NULL; k++) {
         ShotScratch *c = &s->scratch[k];
         c->ray = array_create(SHOT_CHUNK, sizeof *c->ray, what, err);
@@ -34,6 +36,7 @@ bool shooter_create(Shooter *s, Error *err)
         c->source = array_create(SHOT_CHUNK, sizeof *c->source, what, err);
         c->value = array_create(SHOT_CHUNK, sizeof *c->value, what, err);
         c->shot = array_create(SHOT_CHUNK, sizeof *c->shot, what, err);
+        c->gathered = array_create(GATHER_CHUNK, sizeof *c->gathered, what, err);
     }
     for (uint32_t k = 0; k < SHOT_ROUND && s->chunk != NULL; k++)
         s->chunk[k].shot = array_create(SHOT_CHUNK, sizeof *s->chunk[k].shot, what, err);
@@ -51,6 +54,7 @@ void shooter_clear(Shooter *s)
         array_free(c->source);
         array_free(c->value);
         array_free(c->shot);
+        array_free(c->gathered);
     }
     for (uint32_t k = 0; k < SHOT_ROUND && s->chunk != NULL; k++)
         array_free(s->chunk[k].shot);
@@ -59,6 +63,8 @@ void shooter_clear(Shooter *s)
     array_free(s->first_ray);
     array_free(s->seen);
     array_free(s->square);
+    array_free(s->missed);
+    array_free(s->told);
     lamp_table_clear(&s->lamps);
 }
 
