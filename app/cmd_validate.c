@@ -10,7 +10,7 @@
 #include "base/array.h"
 
 /* Rays per measured point: independent scramblings of a power of two. */
-enum { POINT_RAYS = 65536 };
+enum { POINT_RAYS = 32768 };
 /* Where rays leave more open than the mesh is asked for, these many standard errors pass. */
 static const double ERRORS_OFF = 3;
 /* The solver stops long before its part of a deviation can be seen. */

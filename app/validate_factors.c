@@ -16,7 +16,7 @@
 #include "app/validate.h"
 #include "base/array.h"
 
-enum { PATCHES = 300, PARTS = 3, POINT_RAYS = 65536, MOST_RAYS = 1 << 23 };
+enum { PATCHES = 300, PARTS = 3, POINT_RAYS = 32768, MOST_RAYS = 1 << 23 };
 
 static const double PI = 3.14159265358979323846;
 

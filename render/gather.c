@@ -120,7 +120,11 @@ Gatherer *gatherer_destroy(Gatherer *g)
 
 /* --- free points ----------------------------------------------------------------------------- */
 
-enum { SCRAMBLINGS = 8 };
+/* So many that what they disagree by has the tails of a standard error: of 15 degrees of freedom
+ * 67 % lie within one and 99.1 % within three, of 7 degrees 65 and 98 %. */
+enum { SCRAMBLINGS = 16 };
+/* Of each; the control of a lamp sample is made of the others. */
+enum { LAMP_RAYS_LEAST = 2 };
 
 /* Point lights need no chance: one ray each. */
 static Rgb light_all(const Room *room, const Receiver *at)
@@ -154,7 +158,9 @@ void gather_irradiance(const Gatherer *gatherer, Vec3 point, Vec3 normal, uint32
     guides_train(&guides, &wave, &at, &(double){ gatherer->room->patches->size }, 1, rays,
                  sampling_seed(seed, SCRAMBLINGS, 0, 0));
     for (uint32_t k = 0; k < SCRAMBLINGS; k++) {
-        const WaveOptions options = { .gather_rays = each, .lamp_rays = each > 4 ? each / 4 : 1,
+        const WaveOptions options = { .gather_rays = each,
+                                      .lamp_rays = each > 4 * LAMP_RAYS_LEAST ? each / 4
+                                                                              : LAMP_RAYS_LEAST,
                                       .seed = sampling_seed(seed, k, 0, 0),
                                       .guides = &guides };
         wave.point[0][0] = (WavePoint){ .at = at, .guide = guides_find(&guides, &at) };

@@ -52,8 +52,9 @@ Image *render_gather(const Gatherer *gatherer, const Camera *camera, const Rende
                      RenderReport *report, const Monitor *monitor, Error *err);
 
 /* Irradiance at a free point with a unit normal: direct from lamps and lights, and indirect; and
- * the standard error of their sum (luminance) from 8 independent scramblings. rays: hemisphere rays
- * in all; a quarter as many go to lamps, and one to each point light. Glass is opaque, as it is to
+ * the standard error of their sum (luminance) from 16 independent scramblings; a shadow so narrow
+ * that no ray to a lamp meets it is not in it. rays: hemisphere rays in all; a quarter as many, 32
+ * at least, go to lamps, and one to each point light. Glass is opaque, as it is to
  * the solver. */
 typedef struct {
     Rgb    direct, indirect;

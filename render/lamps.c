@@ -240,12 +240,18 @@ static double lamp_point(const Lamps *lamps, const Lamp *lamp, const Receiver *a
     return height > lamps->room->offset ? p.density * height / (dd * sqrt(dd)) : 0;
 }
 
+/* Hemisphere rays that would find a lamp so much more seldom than lamp samples do are left out
+ * (cutoff heuristic [veach95]): a hit now and then would be noise, and none at all a loss that no
+ * standard error knows of. */
+static const double CUTOFF = 0.1;
+
 /* Share of the lamp sample against a hemisphere ray in the same direction: the balance heuristic.
  * spread: 1 / density of the lamp sample, choice of the lamp included. That rays may be guided is
  * left out: any two shares that add up to 1 give the right mean. */
 static double balance(const LampPlan *plan, double spread, double cosine)
 {
-    return plan->lamp_rays / (plan->lamp_rays + plan->gather_rays * cosine / PI * spread);
+    const double ratio = plan->gather_rays * cosine / PI * spread / plan->lamp_rays;
+    return ratio < CUTOFF ? 1 : 1 / (1 + ratio);
 }
 
 /* The shares to choose by where lamps are many; NULL where they are weighed one by one. */
