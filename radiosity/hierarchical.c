@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* radiosity/hierarchical.c -- gathers light over links between nodes until it no longer changes. */
+/* radiosity/hierarchical.c -- gathers light over links between nodes until it no longer changes,
+ * then a few times over the rows of patches. */
 #include "radiosity/hierarchical.h"
 
 #include <assert.h>
@@ -7,6 +8,7 @@
 #include <string.h>
 
 #include "base/array.h"
+#include "base/parallel.h"
 
 /* Rays that leave the scene, of a node: fewer do not tell how much its children differ in it. */
 static const double LEAST_ESCAPES = 16;
@@ -209,6 +211,72 @@ static bool iterate(Hierarchy *h, Solution *solution, Error *err)
     return true;
 }
 
+/* Last reflections over what the rays of each patch say: each forgives most of what links between
+ * nodes have wrong, for a patch gathers from many, and gives light its detail on patches. Three cost
+ * less than the links that would have to be refined for as much (tests/accuracy/two_percent.sh). */
+enum { LAST_REFLECTIONS = 3 };
+
+typedef struct {
+    const SolveSystem *system;
+    const double *radiosity;
+    double       *next, *irradiance;
+} LastReflection;
+
+enum { LAST_CHUNK = 256 };
+
+/* Light of one patch by its own row, made whole as nodes' views are: what it has sampled of lamps
+ * itself stays, the rest fills what is left. */
+static void gather_whole(const LastReflection *last, uint32_t i, const LinksRow *row, double *out)
+{
+    const SolveSystem *system = last->system;
+    const uint8_t *lamp = system->links->lamp;
+    const unsigned bands = system->bands;
+    double known = 0, others = 0;
+    for (uint64_t k = 0; k < row->count; k++)
+        *(lamp != NULL && lamp[row->source[k]] != 0 ? &known : &others) += row->form_factor[k];
+    const double left = fmax(0, 1 - system->links->escape[i] - known);
+    const double fill = others > 0 ? left / others : 0;
+    for (unsigned b = 0; b < bands; b++)
+        out[b] = system->problem->received != NULL
+                     ? system->problem->received[(size_t)i * bands + b] : 0;
+    for (uint64_t k = 0; k < row->count; k++) {
+        const uint32_t j = row->source[k];
+        const double f = row->form_factor[k] * (lamp != NULL && lamp[j] != 0 ? 1 : fill);
+        for (unsigned b = 0; b < bands; b++)
+            out[b] += f * last->radiosity[(size_t)j * bands + b];
+    }
+}
+
+static void last_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
+{
+    const LastReflection *last = context;
+    const SolveSystem *system = last->system;
+    const unsigned bands = system->bands;
+    for (uint32_t i = begin; i < end; i++) {
+        const LinksRow row = links_row(system->links, i, &system->scratch[worker]);
+        gather_whole(last, i, &row, &last->irradiance[(size_t)i * bands]);
+        for (size_t k = (size_t)i * bands; k < ((size_t)i + 1) * bands; k++)
+            last->next[k] = system->problem->emission[k] +
+                            system->problem->reflectance[k] * last->irradiance[k];
+    }
+    links_leave(system->links, begin, end);
+}
+
+static bool gather_last(const SolveSystem *system, Solution *solution, Error *err)
+{
+    const size_t values = (size_t)solution->count * solution->bands;
+    double *next = array_create(values, sizeof *next, "the last reflections", err);
+    if (next == NULL)
+        return false;
+    LastReflection last = { system, solution->radiosity, next, solution->irradiance };
+    for (int k = 0; k < LAST_REFLECTIONS; k++) {
+        parallel_for(solution->count, LAST_CHUNK, system->threads, last_chunk, &last, NULL, NULL);
+        memcpy(solution->radiosity, next, values * sizeof *next);
+    }
+    array_free(next);
+    return true;
+}
+
 bool solve_hierarchical(const SolveSystem *system, Solution *solution, Error *err)
 {
     Hierarchy h;
@@ -216,7 +284,7 @@ bool solve_hierarchical(const SolveSystem *system, Solution *solution, Error *er
     if (good) {
         find_escapes(&h);
         solve_start(system, system->problem->emission, solution->radiosity);
-        good = iterate(&h, solution, err);
+        good = iterate(&h, solution, err) && gather_last(system, solution, err);
     }
     hierarchy_clear(&h);
     return good;

@@ -10,8 +10,8 @@
 
 /* A link that carries less than this share of a patch's mean share of all power stays: what it has
  * wrong is a part of that. Found by trying on the Cornell box (tests/accuracy/two_percent.sh): less
- * cost time and gained nothing beside the noise of the rays. */
-static const double LEAST_POWER = 0.02;
+ * cost time and gained nothing that the last reflections do not give. */
+static const double LEAST_POWER = 0.1;
 
 /* Rays that a link between others than lamps is to be known by: one could not tell which of its
  * halves it belongs to. */
@@ -104,16 +104,20 @@ void node_links_clear(NodeLinks *links)
 
 /* --- refining --------------------------------------------------------------------------------- */
 
-/* Share of the power that goes over a link: the oracle of [smits94]. */
-static double link_power(const NodeLinks *links, const NodeLink *link, const double *radiosity)
+/* What nodes send out as a share of the power, of the band with the most: times A F of a link the
+ * share that goes over it, the oracle of [smits94]. */
+static double *node_powers(const NodeLinks *links, const double *radiosity, Error *err)
 {
     const SolveSystem *system = links->system;
-    double most = 0;
-    for (unsigned b = 0; b < system->bands; b++)
-        if (system->power[b] > 0)
-            most = fmax(most, radiosity[(size_t)link->from * system->bands + b] /
-                              system->power[b]);
-    return most * link->share;
+    const unsigned bands = system->bands;
+    double *power = array_create(links->tree->count, sizeof *power, what, err);
+    for (uint32_t n = 0; power != NULL && n < links->tree->count; n++)
+        for (unsigned b = 0; b < bands; b++)
+            if (system->power[b] > 0) {
+                const double share = radiosity[(size_t)n * bands + b] / system->power[b];
+                power[n] = share > power[n] ? share : power[n];
+            }
+    return power;
 }
 
 /* Which end is to give way to its children, or neither. Lamps are sampled from each patch. */
@@ -130,20 +134,25 @@ static LinkEnd choose_end(const NodeLinks *links, const NodeLink *link)
     return from->child != 0 ? END_FROM : END_NONE;
 }
 
-/* Brings the entries of the first child to the front; returns where those of the other begin. */
+/* Brings the entries of the first child to the front; returns where those of the other begin, and
+ * the shares of both. */
 static uint64_t part_entries(NodeLinks *links, const NodeLink *link, LinkEnd end, uint32_t middle,
-                             double *share)
+                             double share[2])
 {
     uint64_t at = link->begin;
-    *share = 0;
+    double first = 0, other = 0;
+    /* Without branches: which way an entry goes is not to be foreseen. */
     for (uint64_t k = link->begin; k < link->end; k++) {
-        const Entry e = links->entry[k];
-        if ((end == END_TO ? e.to : e.from) >= middle)
-            continue;
-        *share += e.share;
-        links->entry[k] = links->entry[at];
-        links->entry[at++] = e;
+        const Entry e = links->entry[k], front = links->entry[at];
+        const bool second = (end == END_TO ? e.to : e.from) >= middle;
+        first += second ? 0 : e.share;
+        other += second ? e.share : 0;
+        links->entry[k] = second ? e : front;
+        links->entry[at] = second ? front : e;
+        at += !second;
     }
+    share[0] = first;
+    share[1] = other;
     return at;
 }
 
@@ -152,16 +161,13 @@ static bool refine_link(NodeLinks *links, size_t k, LinkEnd end, Error *err)
     const NodeLink link = links->link[k];
     const TreeNode *node = &links->tree->node[end == END_TO ? link.to : link.from];
     NodeLink part[2] = { link, link };
-    double share;
-    const uint64_t middle = part_entries(links, &link, end, links->tree->node[node->child].end,
-                                         &share);
-    part[0].end = part[1].begin = middle;
-    part[0].share = share;
-    part[1].share = 0;
-    for (uint64_t e = middle; e < link.end; e++)
-        part[1].share += links->entry[e].share;
-    for (unsigned c = 0; c < 2; c++)
+    double share[2];
+    part[0].end = part[1].begin = part_entries(links, &link, end,
+                                               links->tree->node[node->child].end, share);
+    for (unsigned c = 0; c < 2; c++) {
+        part[c].share = share[c];
         *(end == END_TO ? &part[c].to : &part[c].from) = node->child + c;
+    }
     const bool first = part[0].begin < part[0].end, second = part[1].begin < part[1].end;
     assert(first || second);
     links->link[k] = first ? part[0] : part[1];
@@ -171,17 +177,17 @@ static bool refine_link(NodeLinks *links, size_t k, LinkEnd end, Error *err)
 bool node_links_refine(NodeLinks *links, const double *radiosity, uint64_t *refined, Error *err)
 {
     const double least = LEAST_POWER / links->system->links->count;
+    double *power = node_powers(links, radiosity, err);
     *refined = 0;
-    for (size_t k = 0; k < links->count; k++)
+    for (size_t k = 0; power != NULL && k < links->count; k++)
         for (;;) {
             const NodeLink *link = &links->link[k];
-            const LinkEnd end = link_power(links, link, radiosity) > least
+            const LinkEnd end = power[link->from] * link->share > least
                                     ? choose_end(links, link) : END_NONE;
-            if (end == END_NONE)
+            if (end == END_NONE || !refine_link(links, k, end, err))
                 break;
-            if (!refine_link(links, k, end, err))
-                return false;
             ++*refined;
         }
-    return true;
+    array_free(power);
+    return !error_is_set(err);
 }

@@ -353,7 +353,8 @@ static bool iterate(TwoLevel *t, Solution *solution, double *left, Error *err)
             begun = 0;
             t->kept = 0;
         } else if (*left + drift <= system->tolerance ||
-                   solution->iterations >= system->max_iterations || solve_stalled(&stall, *left)) {
+                   solution->iterations >= system->max_iterations ||
+                   solve_stalled(&stall, *left)) {
             break;
         } else if (!advance(t, left, err)) {
             return false;
@@ -382,7 +383,8 @@ static bool two_level_create(TwoLevel *t, const SolveSystem *system, Solution *s
                              Error *err)
 {
     const size_t count = system->links->count, bands = system->bands;
-    *t = (TwoLevel){ .system = system, .bounded = system->options->bound, .quads = (system->bands + FOUR - 1) / FOUR,
+    *t = (TwoLevel){ .system = system, .bounded = system->options->bound,
+                     .quads = (system->bands + FOUR - 1) / FOUR,
                      .radiosity = solution->radiosity, .irradiance = solution->irradiance };
     if (!aggregates_create(&t->agg, system, err))
         return false;

@@ -18,7 +18,8 @@ number() {
 }
 
 "$ISOLUX" "${some[@]}" --tolerance 1e-4 --json "$DIR/a.json" || exit 1
-printf '%s patches, %s links\n' "$(number patches "$DIR/a.json")" "$(number nonzeros "$DIR/a.json" 2)"
+printf '%s patches, %s links\n' "$(number patches "$DIR/a.json")" \
+    "$(number nonzeros "$DIR/a.json" 2)"
 printf '%-42s %8s %8s %8s %10s %10s %9s\n' change passes seconds CPU-s residual bound error
 change() {
     local name=$1 best=9999 cpu=9999 groups=()

@@ -23,8 +23,8 @@ least() {
 
 printf '%-14s %8s %5s %10s %8s %8s %10s\n' solver patches rays lamp-rays 'CPU s' error balance
 for row in "gauss-seidel 1000 128 32" "gauss-seidel 2000 64 32" "gauss-seidel 2000 128 32" \
-           "gauss-seidel 2000 128 64" "gauss-seidel 2500 128 32" "hierarchical 2000 64 32" \
-           "hierarchical 2000 128 32" "hierarchical 2000 256 32"; do
+           "gauss-seidel 2000 128 48" "two-level 2000 128 48" "hierarchical 2000 64 32" \
+           "hierarchical 2000 128 32" "hierarchical 2000 128 48" "hierarchical 2000 256 48"; do
     set -- $row
     options=(solve "$SCENE" --solver "$1" --patches "$2" --no-adapt --rays "$3" --lamp-rays "$4"
              --tolerance 1e-3)
