@@ -288,6 +288,7 @@ void pipeline_room(Pipeline *pipeline)
         .emitting = pipeline->emitting,
         .sides_given = pipeline->sides_given,
         .mirrors = light_goes_on(pipeline),
+        .skin = pipeline->skin,
         .offset = ray_offset(pipeline->surfaces->largest_coordinate),
     };
 }
@@ -300,7 +301,8 @@ bool pipeline_sides(Pipeline *pipeline, Error *err)
     pipeline_begin(pipeline, STAGE_MESH);
     pipeline->sides = array_create(count, 1, "sides", err);
     pipeline->emitting = array_create(count, 1, "sides", err);
-    if (pipeline->sides == NULL || pipeline->emitting == NULL || !find_sides(pipeline, err))
+    pipeline->skin = mirrors_skins(pipeline->surfaces, pipeline->scene->polygons.materials, err);
+    if (error_is_set(err) || !find_sides(pipeline, err))
         return false;
     pipeline_note(pipeline, STAGE_MESH, begin);
     return true;
@@ -479,6 +481,7 @@ void pipeline_clear(Pipeline *pipeline)
     patches_destroy(pipeline->patches);
     array_free(pipeline->sides);
     array_free(pipeline->emitting);
+    array_free(pipeline->skin);
     bvh_destroy(pipeline->bvh);
     surfaces_destroy(pipeline->surfaces);
     scene_destroy(pipeline->scene);

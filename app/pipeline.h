@@ -54,6 +54,7 @@ typedef struct Pipeline {
     Surfaces    *surfaces;
     Bvh         *bvh;
     uint8_t     *sides, *emitting;  /* [surfaces->count] */
+    uint8_t     *skin;         /* [surfaces->count]  of mirrors_skins */
     bool         sides_given;  /* by --sides, or all fronts: not found by sight */
     SidesReport  sides_report;
     Camera       camera;            /* chosen for the picture; only when has_camera */

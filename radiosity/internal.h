@@ -154,6 +154,7 @@ typedef struct {
     uint32_t      sample_count;
     double        sample_scale;/* on all shares */
     uint32_t      seed;        /* of the rays' points */
+    double        medium;      /* square of the index of refraction of what the patch lies in */
     double       *cosine;      /* [rays]  at the patch */
     bool         *turned;      /* [rays]  by a mirror: no lamp's sample finds the same way */
     uint32_t     *cell;        /* [rays]  its position */

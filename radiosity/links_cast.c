@@ -155,13 +155,26 @@ static void follow_ray(RowCast *row, const Room *room, uint32_t k)
         row->hit[k].t += (float)far;
 }
 
+/* Under water so many rays at least meet its surface from below, and more than meet one from above,
+ * which only those do that slip through a crack. */
+static const double INSIDE_LEAST = 0.125;
+
 void row_cast_follow(RowCast *row, const Room *room)
 {
+    uint32_t inside = 0, outside = 0;
+    double   sum = 0;
     for (uint32_t k = 0; k < row->rays; k++) {
         row->turned[k] = false;
-        if (room->mirrors)
-            follow_ray(row, room, k);
+        if (!room->mirrors || row->hit[k].primitive == RAY_MISS)
+            continue;
+        const double n = mirrors_medium(room, &row->hit[k], ray_direction(&row->ray[k]));
+        inside += n > 1;
+        outside += n == 0;
+        sum += n > 1 ? n * n : 0;
+        follow_ray(row, room, k);
     }
+    const bool under = inside > outside && inside >= INSIDE_LEAST * row->rays;
+    row->medium = under ? sum / inside : 1;
 }
 
 /* Resolves all hits, counts each position's good and bad rays, and returns how many rays stay. A
@@ -224,8 +237,9 @@ void row_cast_add(RowCast *row, uint32_t patch, double share)
     row->value[row->keys++] = (float)share;
 }
 
-static void add_hemisphere(RowCast *row, const Room *room, const LampTable *lamps, uint32_t rays)
+static void add_hemisphere(RowCast *row, const Room *room, const LampTable *lamps, double kept)
 {
+    const uint32_t rays = row->good_rays;
     double weights = 0;
     for (uint32_t v = 0; v < row->valid_count; v++)
         weights += row->position[row->valid[v]].weight;
@@ -235,7 +249,7 @@ static void add_hemisphere(RowCast *row, const Room *room, const LampTable *lamp
         if (p->good == 0 || (end->patch == PATCH_NONE && !end->escaped))
             continue;
         const double share = row->weight[k] / p->good_weight * p->weight / weights *
-                             mirrors_weight(room, row->patch, row->cosine[k]);
+                             mirrors_weight(room, row->patch, kept, row->cosine[k]);
         if (end->escaped)
             row->escape += share;
         else
@@ -322,9 +336,9 @@ void row_cast_finish(RowCast *row, const Room *room, const LampTable *lamps, uin
     row->keys = 0;
     row->escape = 0;
     const double kept = mirrors_kept(room, patch);
-    row->area = room->patches->area[patch] * visible_share(row) * kept;
+    row->area = room->patches->area[patch] * visible_share(row) * kept * row->medium;
     if (row->good_rays > 0 && kept > 0) {
-        add_hemisphere(row, room, lamps, row->good_rays);
+        add_hemisphere(row, room, lamps, kept);
         row_cast_lamps(row, room);
     }
     row->escape = fmin(row->escape, 1);

@@ -167,6 +167,7 @@ void row_cast_aim(RowCast *row, const Room *room, const LampTable *lamps, uint32
         return;
     const LampAim common = { room, lamps, row->good_rays, row->lamp_rays };
     const bool whole = row->valid_count == row->positions;
+    const double kept = mirrors_kept(room, patch);
     const uint32_t own_seed = sampling_seed(seed, room_patch_key(room, patch), SEED_LAMPS, 0);
     double weights = 0;
     for (uint32_t m = 0; m < row->lamp_rays; m++) {
@@ -183,8 +184,9 @@ void row_cast_aim(RowCast *row, const Room *room, const LampTable *lamps, uint32
         LampSample sample = aim(&common, &from, x[2], x[3], &row->lamp_ray[row->sample_count]);
         sample.share *= from.weight;
         if (room->mirrors && sample.share > 0)
-            sample.share *= mirrors_weight(room, patch, cosine_of(&row->lamp_ray[row->sample_count],
-                                                                  from.point.normal));
+            sample.share *= mirrors_weight(room, patch, kept,
+                                           cosine_of(&row->lamp_ray[row->sample_count],
+                                                     from.point.normal));
         if (sample.share > 0)
             row->sample[row->sample_count++] = sample;
     }

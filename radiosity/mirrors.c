@@ -4,6 +4,7 @@
 
 #include <assert.h>
 
+#include "base/array.h"
 #include "math/fresnel.h"
 #include "math/tolerance.h"
 
@@ -20,16 +21,66 @@ bool mirrors_exist(const Material *materials, size_t count)
     return false;
 }
 
-bool mirrors_is_skin(const Surface *surface)
+static bool is_clear(const Surfaces *s, const Material *materials, uint32_t surface)
 {
-    assert(surface != NULL);
-    if (surface->kind == SURFACE_SHAPE)
-        return true;
-    const int edges = surface->kind == SURFACE_QUAD ? 4 : 3;
-    for (int i = 0; i < edges; i++)
-        if (surface->neighbour[i] == SURFACE_NONE)
+    return rgb_max(materials[surfaces_material(s, surface, 0)].transmittance) > 0 ||
+           rgb_max(materials[surfaces_material(s, surface, 1)].transmittance) > 0;
+}
+
+static int edges_of(const Surface *surface)
+{
+    return surface->kind == SURFACE_SHAPE ? 0 : surface->kind == SURFACE_QUAD ? 4 : 3;
+}
+
+/* Whether all edges lead on to clear surfaces. */
+static bool is_inner(const Surfaces *s, const Material *materials, uint32_t surface)
+{
+    const Surface *f = &s->surface[surface];
+    for (int i = 0; i < edges_of(f); i++)
+        if (f->neighbour[i] == SURFACE_NONE || !is_clear(s, materials, f->neighbour[i]))
             return false;
     return true;
+}
+
+/* From the surfaces with a rim on, over all clear ones that hang together with them. */
+static void spread_rims(const Surfaces *s, uint8_t *skin, uint32_t *stack, uint32_t count)
+{
+    while (count > 0) {
+        const Surface *f = &s->surface[stack[--count]];
+        for (int i = 0; i < edges_of(f); i++) {
+            const uint32_t next = f->neighbour[i];
+            if (next == SURFACE_NONE || skin[next] == 0)
+                continue;
+            skin[next] = 0;
+            stack[count++] = next;
+        }
+    }
+}
+
+uint8_t *mirrors_skins(const Surfaces *s, const Material *materials, Error *err)
+{
+    assert(s != NULL && materials != NULL && err != NULL);
+    uint8_t  *skin = array_create(s->count, 1, "clear surfaces", err);
+    uint32_t *stack = array_create(s->count, sizeof *stack, "clear surfaces", err);
+    uint32_t  count = 0;
+    if (!error_is_set(err)) {
+        for (uint32_t i = 0; i < s->count; i++) {
+            const bool clear = is_clear(s, materials, i);
+            skin[i] = clear && is_inner(s, materials, i);
+            if (clear && skin[i] == 0)
+                stack[count++] = i;
+        }
+        spread_rims(s, skin, stack, count);
+    }
+    array_free(stack);
+    return error_is_set(err) ? array_free(skin) : skin;
+}
+
+bool mirrors_is_skin(const Room *room, uint32_t surface)
+{
+    assert(surface < room->surfaces->count);
+    return room->skin != NULL ? room->skin[surface]
+                              : is_inner(room->surfaces, room->materials, surface);
 }
 
 static double grey(Rgb colour) { return fmin(fmax(rgb_luminance(colour), 0), 1); }
@@ -57,7 +108,7 @@ static const Material *material_of(const Room *room, uint32_t surface, unsigned 
 
 static double kept_at(const Room *room, uint32_t patch, const Material *m, double cosine)
 {
-    const bool skin = mirrors_is_skin(&room->surfaces->surface[room->patches->surface[patch]]);
+    const bool skin = mirrors_is_skin(room, room->patches->surface[patch]);
     const MirrorShare share = mirrors_share(m, skin, room->patches->side[patch], cosine);
     return fmax(1 - share.back - share.through, 0);
 }
@@ -77,14 +128,13 @@ double mirrors_kept(const Room *room, uint32_t patch)
     return sum >= KEPT_LEAST ? sum : 0;
 }
 
-double mirrors_weight(const Room *room, uint32_t patch, double cosine)
+double mirrors_weight(const Room *room, uint32_t patch, double kept, double cosine)
 {
     const Material *m = &room->materials[room->patches->material[patch]];
     assert(patch < room->patches->count);
     if (!room->mirrors || !(rgb_max(m->transmittance) > 0))
         return 1;
     cosine = fmin(fmax(cosine, 0), 1);
-    const double kept = mirrors_kept(room, patch);
     return kept > 0 ? kept_at(room, patch, m, cosine) / kept : 0;
 }
 
@@ -121,7 +171,7 @@ bool mirrors_step(const Room *room, const Hit *hit, double choice, Ray *ray, boo
     const Vec3     n = side == 0 ? at.normal : vec3_scale(at.normal, -1);
     const double   cosine = fmin(fmax(-vec3_dot(in, n), 0), 1);
     const MirrorShare share = mirrors_share(material_of(room, surface, side),
-                                            mirrors_is_skin(&s->surface[surface]), side, cosine);
+                                            mirrors_is_skin(room, surface), side, cosine);
     if (!(choice < share.back + share.through))
         return false;
     Vec3 way = in;
@@ -136,6 +186,19 @@ bool mirrors_step(const Room *room, const Hit *hit, double choice, Ray *ray, boo
     *ray = ray_leaving(at.point, n, choice < share.back ? room->offset : -room->offset, way,
                        INFINITY);
     return true;
+}
+
+double mirrors_medium(const Room *room, const Hit *hit, Vec3 way)
+{
+    assert(hit->primitive < surfaces_primitive_count(room->surfaces));
+    const uint32_t surface = surfaces_of_primitive(room->surfaces, hit->primitive);
+    const Vec3     n = surfaces_normal(room->surfaces, hit->primitive, hit->u, hit->v);
+    const unsigned side = vec3_dot(n, way) > 0 ? 1 : 0;
+    const Material *m = material_of(room, surface, side);
+    if (!(rgb_max(m->transmittance) > 0) || !(m->ior > 0) || m->ior == 1 ||
+        !mirrors_is_skin(room, surface))
+        return 1;
+    return side == 1 ? m->ior : 0;
 }
 
 double mirrors_between(const Room *room, Ray ray)
@@ -154,7 +217,7 @@ double mirrors_between(const Room *room, Ray ray)
         const double   along = vec3_dot(in, n);
         const unsigned side = along > 0 ? 1 : 0;
         const MirrorShare share = mirrors_share(material_of(room, surface, side),
-                                                mirrors_is_skin(&s->surface[surface]), side,
+                                                mirrors_is_skin(room, surface), side,
                                                 fmin(fabs(along), 1));
         if (share.eta != 1 || !(share.through > 0))
             return 0;

@@ -7,6 +7,8 @@
  * it is partly diffuse, scatters. Reciprocity holds in this form: with kept = 1 - S, mean over the
  * hemisphere, a patch of area A takes part with the area kept A, the emission E / kept and the
  * reflectance rho / kept (mirrors_problem), and its radiosity comes out as B / kept.
+ * Inside a body of index n (under water) a patch takes part with n^2 of its area, for there as much
+ * more of the light that leaves it stays in; quantities there are over n^2 (basic radiance).
  * S is grey: the luminance of the material's colours; only the eye sees mirrors in colour.
  * Only with room->mirrors; without it they absorb all light, as geometric factors want.
  */
@@ -22,9 +24,13 @@ static inline bool mirrors_is(const Material *m)
     return rgb_max(m->transmittance) > 0 || (rgb_max(m->specular) > 0 && isinf(m->exponent));
 }
 
-/* Whether a clear surface is the skin of a body, with a neighbour over every edge, and so bends
- * light; a pane with a rim does not. */
-bool mirrors_is_skin(const Surface *surface);
+/* Which surfaces are the skin of a clear body, and so bend light: those that hang together with
+ * clear ones alone, over every edge. A pane has a rim, or opaque neighbours: it does not bend it.
+ * owns   [surfaces->count], the caller's, for room->skin; freed with array_free.
+ * fails  NULL and ERROR_MEMORY. */
+uint8_t *mirrors_skins(const Surfaces *surfaces, const Material *materials, Error *err);
+/* The same of one surface; without room->skin it is judged by its own edges alone. */
+bool mirrors_is_skin(const Room *room, uint32_t surface);
 
 /* What becomes of light that meets a side at an angle. */
 typedef struct {
@@ -36,8 +42,8 @@ MirrorShare mirrors_share(const Material *material, bool skin, unsigned side, do
 /* The share of light that ends at a patch: 1 - S, mean over the hemisphere; 1 for what is no
  * mirror, and without room->mirrors. */
 double mirrors_kept(const Room *room, uint32_t patch);
-/* The share of the light of direction d, from the patch out, relative to that mean. */
-double mirrors_weight(const Room *room, uint32_t patch, double cosine);
+/* The share of the light that comes at an angle, relative to that mean, `kept`. */
+double mirrors_weight(const Room *room, uint32_t patch, double kept, double cosine);
 
 /* Emission and reflectance of a patch as they stand in the problem to solve. */
 void mirrors_problem(const Room *room, uint32_t patch, Rgb *emission, Rgb *reflectance);
@@ -45,6 +51,10 @@ void mirrors_problem(const Room *room, uint32_t patch, Rgb *emission, Rgb *refle
 /* One more step of a ray that met a mirror: false: it ends here, or what it met is none. Else *ray
  * goes on from there; *straight is cleared when it was turned. choice in [0, 1). */
 bool mirrors_step(const Room *room, const Hit *hit, double choice, Ray *ray, bool *straight);
+
+/* Index of refraction of the body that a ray is in when it meets this: 1 where that is no skin seen
+ * from inside; 0 for a skin seen from outside. */
+double mirrors_medium(const Room *room, const Hit *hit, Vec3 way);
 
 /* Share of light that passes the panes on a blocked ray's way: 0 where anything else stands. */
 double mirrors_between(const Room *room, Ray ray);

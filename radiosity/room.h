@@ -32,6 +32,7 @@ typedef struct {
                                        meets one that is not in use is lost, and tells nothing about
                                        where it came from */
     bool            mirrors;        /* rays go on at mirrors and clear glass (mirrors.h) */
+    const uint8_t  *skin;           /* [surfaces->count]  of mirrors_skins, or NULL */
     double          offset;         /* ray_offset(surfaces->largest_coordinate) */
 } Room;
 

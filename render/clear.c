@@ -1,33 +1,29 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Straight rays through panes, glasses and water. */
+/* Straight rays through panes. */
 #include "render/clear.h"
 
 #include "math/fresnel.h"
+#include "radiosity/mirrors.h"
 #include "render/lamps.h"
 
 /* Crossings after which a ray is taken for lost: a window of three panes, four times over. */
 enum { CROSSINGS = 24 };
 
-bool clear_exists(const Room *room)
-{
-    for (size_t i = 0; i < room->material_count; i++)
-        if (rgb_max(room->materials[i].transmittance) > 0)
-            return true;
-    return false;
-}
-
-/* What one crossing lets through; 0: opaque. */
+/* What one crossing lets through, straight; 0: opaque, or the skin of a body, which bends light. */
 static Rgb crossing(const Room *room, const RoomHit *hit, Vec3 way)
 {
     const Material *m = lamps_material(room, hit->surface, hit->side);
-    if (!(rgb_max(m->transmittance) > 0))
+    const double    ior = m->ior > 0 ? m->ior : 1;
+    if (!(rgb_max(m->transmittance) > 0) ||
+        (ior != 1 && mirrors_is_skin(room, hit->surface)))
         return rgb(0, 0, 0);
     const double cosine = fmin(fmax(-vec3_dot(way, hit->normal), 0), 1);
-    const double ior = m->ior > 0 ? m->ior : 1;
-    return rgb_scale(m->transmittance, 1 - fresnel(cosine, ior));
+    return rgb_scale(m->transmittance, 1 - fresnel_pane(cosine, ior));
 }
 
-Rgb clear_nearest(const Room *room, const Ray *ray, Hit *hit)
+/* Follows a ray with its nearest hit through what is clear: *hit becomes the first opaque one, its
+ * t still counted from the ray's start, or RAY_MISS. Returns the share of light that passes. */
+static Rgb clear_nearest(const Room *room, const Ray *ray, Hit *hit)
 {
     const Vec3   d = vec3(ray->dx, ray->dy, ray->dz), way = vec3_unit(d);
     const double length = vec3_length(d);

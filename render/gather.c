@@ -100,7 +100,7 @@ Gatherer *gatherer_create(const Room *room, const Solution *solution, const Link
     if (!fill_extents(g, err) || !fill_vertices(g, solution, links, err) ||
         !fill_normals(g, err) || !lamps_init(&g->lamps, room, err))
         return gatherer_destroy(g);
-    g->clear = clear_exists(room);
+    g->clear = mirrors_exist(room->materials, room->material_count);
     return g;
 }
 
@@ -127,7 +127,7 @@ enum { SCRAMBLINGS = 16 };
 enum { LAMP_RAYS_LEAST = 2 };
 
 /* Point lights need no chance: one ray each. */
-static Rgb light_all(const Room *room, const Receiver *at)
+static Rgb light_all(const Room *room, const Receiver *at, bool clear)
 {
     Rgb sum = { 0, 0, 0 };
     for (size_t i = 0; i < room->light_count; i++) {
@@ -138,6 +138,8 @@ static Rgb light_all(const Room *room, const Receiver *at)
                                     vec3(0, 0, 0), wave_offset(room, at->point));
         if (!bvh_blocked(room->bvh, &ray))
             sum = rgb_add(sum, e);
+        else if (clear)
+            sum = rgb_add(sum, rgb_mul(clear_between(room, &ray), e));
     }
     return sum;
 }
@@ -162,7 +164,7 @@ void gather_irradiance(const Gatherer *gatherer, Vec3 point, Vec3 normal, uint32
                                       .lamp_rays = each > 4 * LAMP_RAYS_LEAST ? each / 4
                                                                               : LAMP_RAYS_LEAST,
                                       .seed = sampling_seed(seed, k, 0, 0),
-                                      .guides = &guides };
+                                      .clear = gatherer->room->mirrors, .guides = &guides };
         wave.point[0][0] = (WavePoint){ .at = at, .guide = guides_find(&guides, &at) };
         wave_gather(&wave, 1, &options);
         out->direct = rgb_mad(out->direct, 1.0 / SCRAMBLINGS, wave.direct[0]);
@@ -174,5 +176,6 @@ void gather_irradiance(const Gatherer *gatherer, Vec3 point, Vec3 normal, uint32
         square += (y - first) * (y - first) / SCRAMBLINGS;
     }
     out->standard_error = sqrt(fmax(square - mean * mean, 0) / (SCRAMBLINGS - 1));
-    out->direct = rgb_add(out->direct, light_all(gatherer->room, &at));
+    out->direct = rgb_add(out->direct, light_all(gatherer->room, &at,
+                                                gatherer->clear && gatherer->room->mirrors));
 }

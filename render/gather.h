@@ -54,8 +54,8 @@ Image *render_gather(const Gatherer *gatherer, const Camera *camera, const Rende
 /* Irradiance at a free point with a unit normal: direct from lamps and lights, and indirect; and
  * the standard error of their sum (luminance) from 16 independent scramblings; a shadow so narrow
  * that no ray to a lamp meets it is not in it. rays: hemisphere rays in all; a quarter as many, 32
- * at least, go to lamps, and one to each point light. Glass is opaque, as it is to
- * the solver. */
+ * at least, go to lamps, and one to each point light. Mirrors and glass
+ * pass light on where they do so for the solver (room->mirrors). */
 typedef struct {
     Rgb    direct, indirect;
     double standard_error;

@@ -36,7 +36,7 @@ static double index_of(const Material *material)
 static bool bends(const Room *room, const RoomHit *hit, const Material *material)
 {
     return index_of(material) != 1 &&
-           mirrors_is_skin(&room->surfaces->surface[hit->surface]);
+           mirrors_is_skin(room, hit->surface);
 }
 
 static Vec3 mirrored(Vec3 in, Vec3 n) { return vec3_mad(in, -2 * vec3_dot(in, n), n); }

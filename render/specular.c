@@ -5,8 +5,10 @@
 #include <assert.h>
 
 #include "math/fresnel.h"
+#include "math/sampling.h"
 #include "radiosity/mirrors.h"
 #include "render/lamps.h"
+#include "render/normals.h"
 
 /* A material that has a specular colour but no exponent: a soft gloss. */
 static const double EXPONENT_DEFAULT = 20;
@@ -37,7 +39,7 @@ static bool glass(const Room *room, const Material *material, const RoomHit *hit
 {
     const double cosine = fmin(fmax(-vec3_dot(in, normal), 0), 1);
     const double ior = material->ior > 0 ? material->ior : 1;
-    const bool   skin = ior != 1 && mirrors_is_skin(&room->surfaces->surface[hit->surface]);
+    const bool   skin = ior != 1 && mirrors_is_skin(room, hit->surface);
     const double eta = skin && hit->side == 1 ? 1 / ior : ior;
     const double f = skin ? fresnel(cosine, eta) : fresnel_pane(cosine, ior);
     const double through = (1 - f) * rgb_max(material->transmittance);
@@ -93,4 +95,72 @@ bool specular_continue(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 i
         return true;
     }
     return gloss(room, material, hit, normal, in, specular_exponent(material), u, ray, weight);
+}
+
+/* --- rays that gather ------------------------------------------------------------------------ */
+
+/* Steps before roulette begins, and those at which a ray between perfect mirrors is given up: the
+ * chance to get so far is nil where anything is lost at each. */
+enum { FOLLOW_FREE = 4, FOLLOW_MOST = 256 };
+
+/* Chance that a ray ends at a mirror which is diffuse, or shines, as well. */
+static double end_chance(const Room *room, const RoomHit *hit, const Material *m)
+{
+    const bool   emits = room->emitting[hit->surface] >> hit->side & 1;
+    const double own = emits ? 1 : rgb_max(m->reflectance);
+    const double on = rgb_max(m->transmittance) > 0 ? 1 : rgb_max(m->specular);
+    return own / (own + on);
+}
+
+static bool is_straight(const Room *room, const RoomHit *hit, const Material *m, const Ray *on)
+{
+    const bool bends = m->ior > 0 && m->ior != 1 &&
+                       mirrors_is_skin(room, hit->surface);
+    return !bends && vec3_dot(vec3(on->dx, on->dy, on->dz), hit->normal) < 0;
+}
+
+/* A number in [0, 1) for purpose k of a step. */
+static float luck(uint32_t seed, unsigned step, unsigned k)
+{
+    return (float)(sampling_mix(seed ^ sampling_mix(4 * step + k)) >> 8) * 0x1p-24F;
+}
+
+Rgb specular_follow(const Room *room, const float *smooth, uint32_t seed, Ray *ray, Hit *hit,
+                    bool *turned, uint64_t *rays)
+{
+    Rgb   weight = { 1, 1, 1 };
+    float far = 0;
+    *turned = false;
+    for (unsigned step = 0; hit->primitive != RAY_MISS; step++) {
+        const Vec3 way = vec3(ray->dx, ray->dy, ray->dz), in = vec3_unit(way);
+        RoomHit at;
+        room_hit(room, hit, in, &at);
+        const Material *m = lamps_material(room, at.surface, at.side);
+        if (!mirrors_is(m))
+            break;
+        assert(specular_exists(m));
+        const double end = end_chance(room, &at, m), go = luck(seed, step, 3);
+        if (go < end) {
+            weight = rgb_scale(weight, 1 / end);
+            break;
+        }
+        const float u[3] = { luck(seed, step, 0), luck(seed, step, 1), luck(seed, step, 2) };
+        const float length = hit->t * (float)vec3_length(way);
+        Rgb         share;
+        hit->primitive = RAY_MISS;
+        if (step == FOLLOW_MOST ||
+            !specular_continue(room, &at, normals_at(smooth, room, &at, in), in, u, ray, &share))
+            break;
+        weight = rgb_scale(rgb_mul(weight, share), 1 / (1 - end));
+        const double survival = step < FOLLOW_FREE ? 1 : fmin(rgb_max(weight), 1);
+        if (!(luck(seed, step + FOLLOW_MOST + 1, 0) < survival))
+            break;
+        weight = rgb_scale(weight, 1 / survival);
+        *turned = *turned || !is_straight(room, &at, m, ray);
+        far += length;
+        ++*rays;
+        bvh_nearest(room->bvh, ray, hit);
+    }
+    hit->t += far;
+    return weight;
 }

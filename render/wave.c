@@ -9,6 +9,7 @@
 #include "math/tolerance.h"
 #include "radiosity/visible.h"
 #include "render/clear.h"
+#include "render/specular.h"
 
 /* Purposes of the sequences drawn from one seed. */
 enum { SEED_LAMP = 1, SEED_LIGHT, SEED_DIRECTION, SEED_RAMP };
@@ -234,6 +235,14 @@ static bool is_at_seam(const Room *room, const Hit *hit)
     return visible_at_seam(room, surfaces_of_primitive(room->surfaces, hit->primitive), s, t);
 }
 
+/* Ray k from its first hit on, through mirrors and glass. */
+static void follow(Wave *wave, uint32_t k, uint32_t seed)
+{
+    const Gatherer *g = wave->gatherer;
+    wave->pass[k] = specular_follow(g->room, g->smooth, sampling_mix(seed ^ wave->index[k]),
+                                    &wave->ray[k], &wave->hit[k], &wave->turned[k], &wave->rays);
+}
+
 /* A ray that ended where rounding decides in which room that is gives way to one close by. From a
  * point that lies at a seam itself most rays end there: then it stays. */
 static void leave_seam(Wave *wave, unsigned level, uint32_t k, uint32_t seed, bool clear)
@@ -247,7 +256,7 @@ static void leave_seam(Wave *wave, unsigned level, uint32_t k, uint32_t seed, bo
         bvh_nearest(room->bvh, &wave->ray[k], &wave->hit[k]);
         wave->rays++;
         if (clear)
-            wave->pass[k] = clear_nearest(room, &wave->ray[k], &wave->hit[k]);
+            follow(wave, k, seed);
     }
 }
 
@@ -272,8 +281,12 @@ static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t n, u
     }
     bvh_nearest_many(room->bvh, wave->ray, wave->hit, n);
     wave->rays += n;
-    for (uint32_t k = 0; k < n; k++)
-        wave->pass[k] = clear ? clear_nearest(room, &wave->ray[k], &wave->hit[k]) : rgb(1, 1, 1);
+    for (uint32_t k = 0; k < n; k++) {
+        wave->pass[k] = rgb(1, 1, 1);
+        wave->turned[k] = false;
+        if (clear)
+            follow(wave, k, seed);
+    }
     for (uint32_t k = 0; k < n; k++)
         if (is_at_seam(room, &wave->hit[k]))
             leave_seam(wave, level, k, seed, clear);
@@ -306,7 +319,8 @@ static void add_lamp(Wave *wave, unsigned level, const WavePoint *from, uint32_t
     room_hit(g->room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
     const Material *m = lamps_material(g->room, hit.surface, hit.side);
     const LampPlan  plan = plan_of(level, options);
-    const double    share = lamps_share(&g->lamps, &from->at, &plan, &hit);
+    const double    share =
+        wave->turned[k] ? 1 : lamps_share(&g->lamps, &from->at, &plan, &hit);
     add_to(wave, from, level, rgb_scale(rgb_mul(m->emission, wave->pass[k]),
                                         M_PI * share * wave->worth[k] / rays));
 }
@@ -323,7 +337,7 @@ static uint32_t read_end(Wave *wave, unsigned level, uint32_t k, uint32_t rays,
     if (room->patches->first[end.side][end.surface] == PATCH_NONE)
         return next;
     const double worth = wave->worth[k] / rays;
-    if (g->lamps.shared && room->emitting[end.surface] >> end.side & 1)
+    if ((g->lamps.shared || wave->turned[k]) && room->emitting[end.surface] >> end.side & 1)
         add_lamp(wave, level, p, k, rays, options);
     const double chance = level + 1 < WAVE_LEVELS ? wave_nearness(g, &end, &wave->hit[k]) : 0;
     if (chance > 0) {

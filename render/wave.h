@@ -36,7 +36,7 @@ struct Gatherer {
     float      *extent;  /* [patches->count]  edge of a patch */
     float      *widest[2]; /* [surfaces->count]  largest of those of a side; 0: not in use */
     Lamps       lamps;
-    bool        clear;   /* some material lets light through */
+    bool        clear;   /* some material is an ideal mirror or lets light through */
 };
 
 /* A point that receives light, and what its irradiance counts in its root's result. */
@@ -53,8 +53,7 @@ typedef struct {
     uint32_t seed;                   /* sequences: lamps, lights, directions of each level */
     bool     lights;                 /* point lights at the points themselves as well, one of
                                         them by chance per lamp ray; where rays end, always */
-    bool     clear;                  /* light passes through glass; else it is opaque, as it is for
-                                        the solver */
+    bool     clear;                  /* light goes on at mirrors and glass; else they absorb it */
     const double *lamp_shares;       /* from lamps_aim, or NULL */
     const Guides *guides;            /* for points beyond level 0; may be NULL */
 } WaveOptions;
@@ -69,6 +68,7 @@ typedef struct Wave {
     Hit       hit[WAVE_RAYS];
     bool      blocked[WAVE_RAYS];
     Rgb       pass[WAVE_RAYS];       /* share of light that passes along the ray */
+    bool      turned[WAVE_RAYS];     /* by a mirror or glass on its way */
     float     worth[WAVE_RAYS];      /* of a hemisphere ray: 1 / density of its guide */
     LampSample sample[WAVE_RAYS];
     uint32_t   owner[WAVE_RAYS];     /* of the ray: which point of the level */
