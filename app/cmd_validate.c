@@ -204,7 +204,7 @@ bool cmd_validate(Pipeline *pipeline, int *exit_code, Error *err)
     static const CaseList lists[] = { validate_factor_cases, validate_view_cases,
                                       validate_closed_cases, validate_light_cases,
                                       validate_plate_cases, validate_room_cases,
-                                      validate_enclosure_cases };
+                                      validate_enclosure_cases, validate_made_cases };
     session->told = true;
     fprintf(v.out, "%-24s %-26s %12s %12s %10s %10s %9s  %s\n", "case", "quantity", "expected",
             "value", "deviation", "per cent", "sigma", "verdict");

@@ -50,6 +50,7 @@ const Case *validate_light_cases(size_t *count);
 const Case *validate_room_cases(size_t *count);
 const Case *validate_plate_cases(size_t *count);
 const Case *validate_view_cases(size_t *count);
+const Case *validate_made_cases(size_t *count);
 const Case *validate_enclosure_cases(size_t *count);
 
 /* A pipeline over a scene made by code, which it takes; solved unless the command is FACTORS or
