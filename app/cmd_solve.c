@@ -4,6 +4,7 @@
 
 #include "app/commands.h"
 #include "app/compare_solvers.h"
+#include "app/group_files.h"
 #include "app/output.h"
 #include "app/pipeline_accuracy.h"
 #include "app/summary.h"
@@ -37,7 +38,14 @@ static bool check_name(const Options *options, Error *err)
     if (!options->compare && output != NULL && strcmp(output, "-") != 0 &&
         !output_ends(output, ".ply"))
         return error_set(err, ERROR_USAGE, "-o %s: a solved mesh's name ends in .ply", output);
-    return true;
+    return group_files_allowed(options, err);
+}
+
+static bool write_mesh(Pipeline *pipeline, Error *err)
+{
+    const char *output = pipeline->session->options.output;
+    return output == NULL || (group_files_asked(output) ? group_files_write(pipeline, output, err)
+                                                        : ply_write(pipeline, output, err));
 }
 
 bool cmd_solve(Pipeline *pipeline, int *exit_code, Error *err)
@@ -53,7 +61,7 @@ bool cmd_solve(Pipeline *pipeline, int *exit_code, Error *err)
     if (!pipeline_accurate(pipeline, err))
         return false;
     *exit_code = pipeline_exit_code(pipeline);
-    if (output != NULL && !ply_write(pipeline, output, err))
+    if (!write_mesh(pipeline, err))
         return false;
     session_say(session, "isolux: %s%s%s", session->options.scene, output != NULL ? " -> " : "",
                 output != NULL ? output : "");

@@ -212,8 +212,9 @@ static bool iterate(Hierarchy *h, Solution *solution, Error *err)
 }
 
 /* Last reflections over what the rays of each patch say: each forgives most of what links between
- * nodes have wrong, for a patch gathers from many, and gives light its detail on patches. Three cost
- * less than the links that would have to be refined for as much (tests/accuracy/two_percent.sh). */
+ * nodes have wrong, for a patch gathers from many, and gives light its detail on patches. Three
+ * cost less than the links that would have to be refined for as much
+ * (tests/accuracy/two_percent.sh). */
 enum { LAST_REFLECTIONS = 3 };
 
 typedef struct {

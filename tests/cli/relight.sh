@@ -42,6 +42,26 @@ ok "painted, with light groups" exits 0 solve "$cube" "${some[@]}" -o "$DIR/a.pl
     --set floor.reflectance=0.1,0.8,0.2
 ok "as the painted scene" near "$DIR/paint.ply" "$DIR/a.ply"
 
+# A mesh per light group: with a second lamp, each is what a scene with that lamp alone gives.
+sed 's/^g floor/usemtl glow\ng floor/; s/^g x0/usemtl wall\ng x0/; s/cube.mtl/glow.mtl/' "$cube" \
+    >"$DIR/glow.obj"
+{ cat "$DIR/cube.mtl"; printf 'newmtl glow\nKd 0.5 0.5 0.5\nKe 1 2 3\n'; } >"$DIR/glow.mtl"
+ok "a mesh per group" exits 0 solve "$DIR/glow.obj" "${some[@]}" --light-groups \
+    -o "$DIR/g-{group}.ply"
+ok "ceiling, floor and all" test -s "$DIR/g-ceiling.ply" -a -s "$DIR/g-floor.ply" -a \
+    -s "$DIR/g-all.ply"
+for off in ceiling floor; do
+    on=floor
+    [ "$off" = floor ] && on=ceiling
+    ok "without the $off" exits 0 solve "$DIR/glow.obj" "${some[@]}" -o "$DIR/a.ply" \
+        --set "$off.emission=*0"
+    ok "is the $on alone" near "$DIR/a.ply" "$DIR/g-$on.ply"
+done
+ok "all together" exits 0 solve "$DIR/glow.obj" "${some[@]}" -o "$DIR/a.ply"
+ok "is all" near "$DIR/a.ply" "$DIR/g-all.ply"
+ok "not without groups" fails 2 'needs --light-groups' solve "$cube" "${some[@]}" \
+    -o "$DIR/g-{group}.ply"
+
 echo '{ "floor": { "reflectance": [0.1, 0.8, 0.2] }, "ceiling": { "emission": "*1" } }' \
     >"$DIR/changes.json"
 ok "a file of changes" exits 0 solve "$cube" "${some[@]}" -o "$DIR/a.ply" \
