@@ -29,6 +29,9 @@ typedef struct {
     double ior;            /* index of refraction, 1: none */
     double importance;     /* MSD's IMPORTANCE, default 1 */
     bool   emits_both;     /* emission leaves both sides (a file may say so) */
+    uint32_t texture;      /* 0: none; else 1 + the scene's image whose colours multiply the
+                              reflectance (scenes/texture.h) */
+    bool   cut_out;        /* where that image is less than half opaque, nothing is there */
 } Material;
 
 typedef struct {

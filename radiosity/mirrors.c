@@ -7,6 +7,7 @@
 #include "base/array.h"
 #include "math/fresnel.h"
 #include "math/tolerance.h"
+#include "radiosity/places.h"
 
 /* A patch that keeps less than this is a perfect mirror: it takes part with no area at all. What it
  * would have kept is far below what hundreds of rays per patch can tell. */
@@ -119,10 +120,14 @@ double mirrors_kept(const Room *room, uint32_t patch)
 {
     enum { POINTS = 64 };
     const Material *m = &room->materials[room->patches->material[patch]];
-    double          sum = 0;
+    double          sum = 0, opaque;
     assert(patch < room->patches->count);
     if (!room->mirrors || !mirrors_is(m))
         return 1;
+    if (m->cut_out) {
+        places_reflectance(room, patch, &opaque);
+        return opaque >= KEPT_LEAST ? opaque : 0;
+    }
     for (int k = 0; k < POINTS; k++)
         sum += kept_at(room, patch, m, sqrt((k + 0.5) / POINTS)) / POINTS;
     return sum >= KEPT_LEAST ? sum : 0;
@@ -142,9 +147,10 @@ void mirrors_problem(const Room *room, uint32_t patch, Rgb *emission, Rgb *refle
 {
     const double most = TOLERANCE_REFLECTANCE_MAX;
     *emission = room_emission(room, patch);
-    *reflectance = room->materials[room->patches->material[patch]].reflectance;
+    *reflectance = places_reflectance(room, patch, NULL);
     const double kept = mirrors_kept(room, patch);
-    if (kept == 1)
+    /* Of what is cut out it is that of what is there. */
+    if (kept == 1 || room->materials[room->patches->material[patch]].cut_out)
         return;
     const double scale = kept > 0 ? 1 / kept : 0;
     *emission = rgb_scale(*emission, scale);
@@ -170,8 +176,10 @@ bool mirrors_step(const Room *room, const Hit *hit, double choice, Ray *ray, boo
     const unsigned side = vec3_dot(at.normal, in) > 0 ? 1 : 0;
     const Vec3     n = side == 0 ? at.normal : vec3_scale(at.normal, -1);
     const double   cosine = fmin(fmax(-vec3_dot(in, n), 0), 1);
-    const MirrorShare share = mirrors_share(material_of(room, surface, side),
-                                            mirrors_is_skin(room, surface), side, cosine);
+    Material       scratch;
+    const Material *m = places_material(room, hit->primitive, side, at.point, &scratch);
+    const MirrorShare share = mirrors_share(m, mirrors_is_skin(room, surface), side,
+                                            cosine);
     if (!(choice < share.back + share.through))
         return false;
     Vec3 way = in;
@@ -216,8 +224,10 @@ double mirrors_between(const Room *room, Ray ray)
         const Vec3     n = surfaces_normal(s, hit.primitive, hit.u, hit.v);
         const double   along = vec3_dot(in, n);
         const unsigned side = along > 0 ? 1 : 0;
-        const MirrorShare share = mirrors_share(material_of(room, surface, side),
-                                                mirrors_is_skin(room, surface), side,
+        const Vec3 at = vec3_mad(vec3(ray.ox, ray.oy, ray.oz), (double)hit.t, way);
+        Material   scratch;
+        const Material   *m = places_material(room, hit.primitive, side, at, &scratch);
+        const MirrorShare share = mirrors_share(m, mirrors_is_skin(room, surface), side,
                                                 fmin(fabs(along), 1));
         if (share.eta != 1 || !(share.through > 0))
             return 0;

@@ -15,6 +15,7 @@
 #include "mesh/polygons.h"
 #include "mesh/surfaces.h"
 #include "raycast/bvh.h"
+#include "scenes/texture.h"
 
 enum { ROOM_BANDS = 3 }; /* bands of materials; solvers take any number */
 
@@ -24,6 +25,7 @@ typedef struct {
     const Patches  *patches;
     const Material *materials;      /* [material_count] */
     size_t          material_count;
+    const Textures *textures;       /* what Material.texture counts; NULL: none */
     const Light    *lights;         /* [light_count] */
     size_t          light_count;
     const uint8_t  *sides;          /* [surfaces->count]  bit 0/1: front/back in use */

@@ -4,7 +4,7 @@
 
 #include "math/fresnel.h"
 #include "radiosity/mirrors.h"
-#include "render/lamps.h"
+#include "radiosity/places.h"
 
 /* Crossings after which a ray is taken for lost: a window of three panes, four times over. */
 enum { CROSSINGS = 24 };
@@ -12,7 +12,8 @@ enum { CROSSINGS = 24 };
 /* What one crossing lets through, straight; 0: opaque, or the skin of a body, which bends light. */
 static Rgb crossing(const Room *room, const RoomHit *hit, Vec3 way)
 {
-    const Material *m = lamps_material(room, hit->surface, hit->side);
+    Material        scratch;
+    const Material *m = places_hit(room, hit, &scratch);
     const double    ior = m->ior > 0 ? m->ior : 1;
     if (!(rgb_max(m->transmittance) > 0) ||
         (ior != 1 && mirrors_is_skin(room, hit->surface)))

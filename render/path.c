@@ -9,6 +9,7 @@
 #include "base/array.h"
 #include "base/parallel.h"
 #include "math/sampling.h"
+#include "radiosity/places.h"
 #include "render/normals.h"
 #include "render/path_internal.h"
 #include "render/specular.h"
@@ -77,8 +78,8 @@ static void store_centre(const Picture *picture, int x, int y)
         !bvh_nearest(room->bvh, &ray, &hit))
         return;
     path_hit(room, &hit, vec3(ray.dx, ray.dy, ray.dz), &where);
-    const Rgb albedo = room->materials[surfaces_material(room->surfaces, where.surface,
-                                                         where.side)].reflectance;
+    Material  scratch;
+    const Rgb albedo = places_hit(room, &where, &scratch)->reflectance;
     image->normal[3 * at] = (float)where.normal.x;
     image->normal[3 * at + 1] = (float)where.normal.y;
     image->normal[3 * at + 2] = (float)where.normal.z;
@@ -256,7 +257,8 @@ static bool is_clear(const Room *room)
 {
     bool clear = false;
     for (size_t i = 0; i < room->material_count; i++)
-        clear = clear || rgb_max(room->materials[i].transmittance) > 0;
+        clear = clear || rgb_max(room->materials[i].transmittance) > 0 ||
+                room->materials[i].cut_out;
     return clear;
 }
 

@@ -56,7 +56,8 @@ double path_lamps_density(const PathLamps *lamps, const PathPlace *from, const R
 /* --- path_surface.c: how light goes on at a surface ------------------------------------------ */
 
 typedef struct {
-    const Material *material;
+    const Material *material; /* may be `made`: not to be copied */
+    Material        made;     /* where an image makes it */
     RoomHit         hit;
     Vec3            normal;   /* for mirrors, maybe smoothed */
     Vec3            in;       /* unit, of the ray that came */

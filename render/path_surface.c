@@ -5,6 +5,7 @@
 #include "math/fresnel.h"
 #include "math/sampling.h"
 #include "radiosity/mirrors.h"
+#include "radiosity/places.h"
 #include "render/normals.h"
 #include "render/path_internal.h"
 #include "render/specular.h"
@@ -21,11 +22,6 @@ void path_hit(const Room *room, const Hit *hit, Vec3 direction, RoomHit *out)
     out->point = at.point;
     out->side = vec3_dot(at.normal, direction) > 0 ? 1 : 0;
     out->normal = out->side == 0 ? at.normal : vec3_scale(at.normal, -1);
-}
-
-static const Material *material_of(const Room *room, const RoomHit *hit)
-{
-    return &room->materials[surfaces_material(room->surfaces, hit->surface, hit->side)];
 }
 
 static double index_of(const Material *material)
@@ -70,11 +66,16 @@ static double glass_share(const PathSurface *surface, const Room *room, double *
 void path_surface_init(PathSurface *surface, const Room *room, const float *smooth,
                        const RoomHit *hit, Vec3 in, bool diffuse_only)
 {
-    const Material *m = material_of(room, hit);
+    Material        scratch;
+    const Material *m = places_hit(room, hit, &scratch);
     double          eta;
     assert(m->ior >= 0 && rgb_max(m->reflectance) < 1);
     *surface = (PathSurface){ .material = m, .hit = *hit, .normal = hit->normal, .in = in,
                               .diffuse = rgb_max(m->reflectance) };
+    if (m == &scratch) {
+        surface->made = scratch;
+        surface->material = m = &surface->made;
+    }
     if (!diffuse_only && specular_exists(m)) {
         surface->normal = normals_at(smooth, room, hit, in);
         if (rgb_max(m->transmittance) > 0) {
@@ -183,7 +184,8 @@ bool path_surface_next(const PathSurface *surface, const Room *room, const float
 
 Rgb path_surface_pane(const Room *room, const RoomHit *hit, Vec3 in)
 {
-    const Material *m = material_of(room, hit);
+    Material        scratch;
+    const Material *m = places_hit(room, hit, &scratch);
     if (!(rgb_max(m->transmittance) > 0) || bends(room, hit, m))
         return rgb(0, 0, 0);
     const double cosine = fmin(fabs(vec3_dot(in, hit->normal)), 1);

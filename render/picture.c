@@ -12,6 +12,7 @@
 #include "base/array.h"
 #include "base/parallel.h"
 #include "math/sampling.h"
+#include "radiosity/places.h"
 #include "render/internal.h"
 #include "render/kept_tiles.h"
 #include "render/normals.h"
@@ -93,7 +94,8 @@ static bool end_of_ray(const Render *render, Worker *worker, uint32_t i, unsigne
     const Vec3 in = vec3(eye->ray.dx, eye->ray.dy, eye->ray.dz);
     RoomHit    hit;
     room_hit(room, &worker->hit[i], in, &hit);
-    const Material *m = lamps_material(room, hit.surface, hit.side);
+    Material        scratch;
+    const Material *m = places_hit(room, &hit, &scratch);
     if (emits(room, &hit))
         pixel->radiance = rgb_add(pixel->radiance, rgb_mul(eye->weight, m->emission));
     if (bounce == 0 || rgb_max(m->reflectance) > 0) {

@@ -7,6 +7,7 @@
 #include "math/fresnel.h"
 #include "math/sampling.h"
 #include "radiosity/mirrors.h"
+#include "radiosity/places.h"
 #include "render/lamps.h"
 #include "render/normals.h"
 
@@ -84,7 +85,8 @@ static bool gloss(const Room *room, const Material *material, const RoomHit *hit
 bool specular_continue(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in,
                        const float u[3], Ray *ray, Rgb *weight)
 {
-    const Material *material = lamps_material(room, hit->surface, hit->side);
+    Material        scratch;
+    const Material *material = places_hit(room, hit, &scratch);
     assert(specular_exists(material));
     if (rgb_max(material->transmittance) > 0)
         return glass(room, material, hit, normal, in, u[2], ray, weight);
@@ -134,8 +136,9 @@ Rgb specular_follow(const Room *room, const float *smooth, uint32_t seed, Ray *r
     for (unsigned step = 0; hit->primitive != RAY_MISS; step++) {
         const Vec3 way = vec3(ray->dx, ray->dy, ray->dz), in = vec3_unit(way);
         RoomHit at;
+        Material scratch;
         room_hit(room, hit, in, &at);
-        const Material *m = lamps_material(room, at.surface, at.side);
+        const Material *m = places_hit(room, &at, &scratch);
         if (!mirrors_is(m))
             break;
         assert(specular_exists(m));

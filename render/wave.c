@@ -7,6 +7,7 @@
 
 #include "math/sampling.h"
 #include "math/tolerance.h"
+#include "radiosity/places.h"
 #include "radiosity/visible.h"
 #include "render/clear.h"
 #include "render/specular.h"
@@ -300,8 +301,9 @@ static void receive_at(Wave *wave, unsigned level, const WavePoint *from, uint32
     const Ray  *ray = &wave->ray[k];
     RoomHit     hit;
     room_hit(room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
-    const Material *m = lamps_material(room, hit.surface, hit.side);
-    const Receiver at = { hit.point, hit.normal };
+    Material        scratch;
+    const Material *m = places_hit(room, &hit, &scratch);
+    const Receiver  at = { hit.point, hit.normal };
     wave->point[level + 1][next] = (WavePoint){
         .at = at, .root = from->root, .index = index,
         .guide = guides != NULL ? guides_find(guides, &at) : NULL,

@@ -78,6 +78,57 @@ bool import_add_face(ImportTarget *target, uint32_t *corners, size_t count, uint
     return polygons_add_polygon(target->soup, corners, count, material, group, err);
 }
 
+/* Corners that a linear map misses by more than this share of the image show that it is bent. */
+static const double BENT = 1e-3;
+
+static void map_corners(const ImportTarget *target, const uint32_t *corners, size_t count,
+                        Vec3 *place)
+{
+    for (size_t i = 0; i < count; i++)
+        place[i] = target->soup->position[corners[i]];
+}
+
+/* One face with its map; a face without a size has none. */
+static bool add_mapped(ImportTarget *target, uint32_t *corners, const double (*uv)[2],
+                       size_t count, uint32_t material, uint32_t group, double *misfit, Error *err)
+{
+    enum { MOST = 16 };
+    Vec3    few[MOST] = { 0 };
+    FaceMap map = { .used = false };
+    Vec3   *place = count <= MOST ? few : array_create(count, sizeof *place, "corners", err);
+    if (place == NULL)
+        return false;
+    map_corners(target, corners, count, place);
+    (void)face_map_fit(&map, place, uv, count, misfit);
+    if (place != few)
+        array_free(place);
+    const size_t polygon = target->soup->polygon_count;
+    return import_add_face(target, corners, count, material, group, err) &&
+           textures_set_map(&target->scene->textures, (uint32_t)polygon, &map, err);
+}
+
+bool import_add_mapped(ImportTarget *target, uint32_t *corners, const double (*uv)[2],
+                       size_t count, uint32_t material, uint32_t group, Error *err)
+{
+    double  misfit = 0;
+    Vec3    place[4];
+    FaceMap map;
+    if (target->scene == NULL || &target->scene->polygons != target->soup || target->replace)
+        return import_add_face(target, corners, count, material, group, err);
+    if (count == 4) {
+        map_corners(target, corners, count, place);
+        if (face_map_fit(&map, place, uv, count, &misfit) && misfit > BENT) {
+            uint32_t first[3] = { corners[0], corners[1], corners[2] };
+            uint32_t second[3] = { corners[0], corners[2], corners[3] };
+            const double uv2[3][2] = { { uv[0][0], uv[0][1] }, { uv[2][0], uv[2][1] },
+                                       { uv[3][0], uv[3][1] } };
+            return add_mapped(target, first, uv, 3, material, group, &misfit, err) &&
+                   add_mapped(target, second, uv2, 3, material, group, &misfit, err);
+        }
+    }
+    return add_mapped(target, corners, uv, count, material, group, &misfit, err);
+}
+
 bool import_add_group(ImportTarget *target, const char *name, uint32_t *index, Error *err)
 {
     char clean[256];

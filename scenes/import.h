@@ -10,6 +10,7 @@
 
 #include "scenes/internal.h"
 #include "scenes/pipe.h"
+#include "scenes/text.h"
 
 /* Greatest file that is read. */
 static const size_t import_file_limit = (size_t)2 << 30;
@@ -35,6 +36,10 @@ typedef struct {
 bool import_add_vertex(ImportTarget *target, Vec3 p, uint32_t *index, Error *err);
 bool import_add_face(ImportTarget *target, uint32_t *corners, size_t count, uint32_t material,
                      uint32_t group, Error *err);
+/* The same with (u, v) of each corner in the image of its material. A quad on which they are bent
+ * becomes two triangles; on larger faces they are made linear. */
+bool import_add_mapped(ImportTarget *target, uint32_t *corners, const double (*uv)[2],
+                       size_t count, uint32_t material, uint32_t group, Error *err);
 bool import_add_group(ImportTarget *target, const char *name, uint32_t *index, Error *err);
 /* Limits the material, adds it, or answers with the one that replaces all. */
 bool import_add_material(ImportTarget *target, const Material *material, uint32_t *index,
@@ -50,15 +55,37 @@ bool import_vs3(ImportTarget *target, Error *err);
 
 /* --- materials of OBJ (import_mtl.c) ---------------------------------------------------------- */
 
+/* What a material library says of an image: its file, and (u, v) scaled and moved. */
+typedef struct {
+    char  *file;            /* NULL: none */
+    double scale[2], offset[2];
+    bool   clamp;
+} MapImage;
+
+typedef struct {
+    MapImage colour, emission, cut;
+    char    *path;          /* of the library: files are beside it */
+} MaterialImages;
+
 /* Materials of one or more libraries, by name; all fields are this struct's own. */
 typedef struct {
     Material *material;     /* [count]  names owned */
     uint32_t *index;        /* [count]  in the soup once used, UINT32_MAX before */
-    bool     *textured;     /* [count]  has an image for its colour or emission */
-    size_t    count, capacity, index_capacity, textured_capacity;
+    MaterialImages *images; /* [count]  names owned */
+    size_t    count, capacity, index_capacity, images_capacity;
     uint32_t *slot;         /* [slots]  hash table of the names: 1 + position, 0: free */
     size_t    slots;        /* 0 or a power of two */
 } MaterialLibrary;
+
+/* --- images of materials (import_images.c) */
+
+/* What follows map_Kd and its like. fails  false; ERROR_MEMORY. */
+bool map_image_read(const TextFile *text, const char *line, MapImage *image, Error *err);
+void material_images_clear(MaterialImages *images);
+/* Reads the images into the target's scene and lets the material use them; one that is missing or
+ * damaged is told. fails  false; ERROR_MEMORY, ERROR_STOPPED. */
+bool import_images(ImportTarget *target, const MaterialImages *images, Material *material,
+                   Error *err);
 
 /* Adds what the file holds. fails  false and ERROR_INPUT when it cannot be read. */
 bool import_mtl(MaterialLibrary *library, const char *path, uint64_t *hash, Error *err);

@@ -23,7 +23,8 @@ typedef struct {
     char   name[256];
     Rgb    kd, ks, ke, filter;
     double ns, alpha, ni;
-    bool   has_kd, textured;
+    bool   has_kd;
+    MaterialImages images;  /* path is set at the end */
     int    illum;           /* -1: not given */
 } MtlEntry;
 
@@ -89,8 +90,8 @@ bool library_add(MaterialLibrary *library, const char *name, const Material *mat
                        sizeof *library->material, "materials", err) ||
         !array_reserve((void **)&library->index, &library->index_capacity, needed,
                        sizeof *library->index, "materials", err) ||
-        !array_reserve((void **)&library->textured, &library->textured_capacity, needed,
-                       sizeof *library->textured, "materials", err))
+        !array_reserve((void **)&library->images, &library->images_capacity, needed,
+                       sizeof *library->images, "materials", err))
         return false;
     char *copy = array_string(name, err);
     if (copy == NULL)
@@ -101,17 +102,19 @@ bool library_add(MaterialLibrary *library, const char *name, const Material *mat
     library->material[*at] = *material;
     library->material[*at].name = copy;
     library->index[*at] = UINT32_MAX;
-    library->textured[*at] = false;
+    library->images[*at] = (MaterialImages){ 0 };
     return true;
 }
 
 void library_clear(MaterialLibrary *library)
 {
-    for (size_t i = 0; i < library->count; i++)
+    for (size_t i = 0; i < library->count; i++) {
         array_free(library->material[i].name);
+        material_images_clear(&library->images[i]);
+    }
     array_free(library->material);
     array_free(library->index);
-    array_free(library->textured);
+    array_free(library->images);
     array_free(library->slot);
     *library = (MaterialLibrary){ 0 };
 }
@@ -144,7 +147,8 @@ static Material entry_material(const MtlEntry *entry)
     return m;
 }
 
-static bool entry_finish(MaterialLibrary *library, const MtlEntry *entry, Error *err)
+/* The entry's images go to the library. */
+static bool entry_finish(MaterialLibrary *library, MtlEntry *entry, const char *path, Error *err)
 {
     const Material material = entry_material(entry);
     size_t at;
@@ -159,8 +163,11 @@ static bool entry_finish(MaterialLibrary *library, const MtlEntry *entry, Error 
         library->material[at] = material;
         library->material[at].name = name;
     }
-    library->textured[at] = entry->textured;
-    return true;
+    material_images_clear(&library->images[at]);
+    library->images[at] = entry->images;
+    entry->images = (MaterialImages){ 0 };
+    library->images[at].path = array_string(path, err);
+    return library->images[at].path != NULL;
 }
 
 /* --- lines ------------------------------------------------------------------------------------ */
@@ -244,30 +251,41 @@ static bool line_read(const TextFile *text, Word key, const char *line, MtlEntry
             return false;
         entry->illum = illum >= 0 && illum <= 10 ? (int)illum : 2;
     }
-    if (word_is(key, "map_Kd") || word_is(key, "map_Ke") || word_is(key, "map_Ks"))
-        entry->textured = true;
+    if (word_is(key, "map_Kd"))
+        return map_image_read(text, line, &entry->images.colour, err);
+    if (word_is(key, "map_Ke"))
+        return map_image_read(text, line, &entry->images.emission, err);
+    if (word_is(key, "map_d"))
+        return map_image_read(text, line, &entry->images.cut, err);
     return true;
 }
 
-static bool lines_read(MaterialLibrary *library, TextFile *text, Error *err)
+static bool entries_read(MaterialLibrary *library, TextFile *text, MtlEntry *entry, Error *err)
 {
-    MtlEntry entry = entry_empty();
     bool inside = false, has_d = false;
 
     for (const char *line; (line = text_line(text)) != NULL;) {
         const Word key = text_word(&line);
         if (word_is(key, "newmtl")) {
-            if (inside && !entry_finish(library, &entry, err))
+            if (inside && !entry_finish(library, entry, text->path, err))
                 return false;
-            entry = entry_empty();
-            text_rest(line, entry.name, sizeof entry.name);
+            *entry = entry_empty();
+            text_rest(line, entry->name, sizeof entry->name);
             inside = true;
             has_d = false;
-        } else if (inside && !line_read(text, key, line, &entry, &has_d, err)) {
+        } else if (inside && !line_read(text, key, line, entry, &has_d, err)) {
             return false;
         }
     }
-    return !inside || entry_finish(library, &entry, err);
+    return !inside || entry_finish(library, entry, text->path, err);
+}
+
+static bool lines_read(MaterialLibrary *library, TextFile *text, Error *err)
+{
+    MtlEntry   entry = entry_empty();
+    const bool good = entries_read(library, text, &entry, err);
+    material_images_clear(&entry.images);
+    return good;
 }
 
 bool import_mtl(MaterialLibrary *library, const char *path, uint64_t *hash, Error *err)

@@ -7,6 +7,7 @@
  */
 #include <assert.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,7 +35,11 @@ typedef struct {
     uint64_t        missing;         /* libraries and materials that are not there */
     uint64_t       *read;            /* [read_count]  hashes of the libraries' paths */
     size_t          read_count, read_capacity;
-    bool            textured;        /* a material in use has an image */
+    double        (*uv)[2];          /* [uv_count]  of the file */
+    size_t          uv_count, uv_capacity;
+    uint64_t        uv_seen;         /* before the current line, second pass */
+    double        (*corner_uv)[2];   /* of the current face */
+    size_t          corner_uv_capacity;
     char            unknown[64];     /* first statement that is not known */
 } ObjReader;
 
@@ -148,17 +153,39 @@ static bool material_index(ObjReader *r, uint32_t *index, Error *err)
     if (r->material == SIZE_MAX)
         return import_plain_material(r->target, index, err);
     uint32_t *known = &r->library.index[r->material];
-    if (*known == UINT32_MAX &&
-        !import_add_material(r->target, &r->library.material[r->material], known, err))
-        return false;
-    r->textured = r->textured || r->library.textured[r->material];
+    if (*known == UINT32_MAX) {
+        Material m = r->library.material[r->material];
+        const MaterialImages *images = &r->library.images[r->material];
+        if (r->target->scene != NULL && !r->target->replace && images->path != NULL &&
+            !import_images(r->target, images, &m, err))
+            return false;
+        if (!import_add_material(r->target, &m, known, err))
+            return false;
+    }
     *index = *known;
     return true;
 }
 
 /* --- faces ------------------------------------------------------------------------------------ */
 
-/* "7", "7/1", "7//3", "7/1/3" or negative: only the position counts. */
+/* The (u, v) of "7/1" or "7/1/3"; false: none, or one that is not there. */
+static bool corner_uv_read(const ObjReader *r, Word word, double uv[2])
+{
+    const char *slash = memchr(word.begin, '/', word.length);
+    char *end = NULL;
+    if (slash == NULL)
+        return false;
+    const long long given = strtoll(slash + 1, &end, 10);
+    if (end == slash + 1 || end > word.begin + word.length)
+        return false;
+    const long long at = given > 0 ? given - 1 : (long long)r->uv_seen + given;
+    if (given == 0 || at < 0 || (size_t)at >= r->uv_count)
+        return false;
+    memcpy(uv, r->uv[at], sizeof r->uv[at]);
+    return true;
+}
+
+/* "7", "7/1", "7//3", "7/1/3" or negative: the position. */
 static bool corner_read(const ObjReader *r, Word word, uint32_t *corner, Error *err)
 {
     char *end = NULL;
@@ -183,20 +210,34 @@ static bool face_read(ObjReader *r, const char *line, Error *err)
 {
     size_t count = 0;
     uint32_t material;
+    bool mapped = r->uv_count > 0;
 
-    for (Word word; (word = text_word(&line)).length > 0; count++)
+    for (Word word; (word = text_word(&line)).length > 0; count++) {
         if (!array_reserve((void **)&r->corner, &r->corner_capacity, count + 1, sizeof *r->corner,
                            "corners of a face", err) ||
+            !array_reserve((void **)&r->corner_uv, &r->corner_uv_capacity, count + 1,
+                           sizeof *r->corner_uv, "corners of a face", err) ||
             !corner_read(r, word, &r->corner[count], err))
             return false;
+        mapped = mapped && corner_uv_read(r, word, r->corner_uv[count]);
+    }
     if (count < 3) {
         r->small++;
         return true;
     }
     if (r->group == UINT32_MAX && !import_add_group(r->target, r->name, &r->group, err))
         return false;
-    return material_index(r, &material, err) &&
-           import_add_face(r->target, r->corner, count, material, r->group, err);
+    if (!material_index(r, &material, err))
+        return false;
+    if (!mapped || r->material == SIZE_MAX || r->target->replace ||
+        r->target->soup->materials[material].texture == 0)
+        return import_add_face(r->target, r->corner, count, material, r->group, err);
+    const MapImage *image = &r->library.images[r->material].colour;
+    for (size_t i = 0; i < count && image->file != NULL; i++)
+        for (int k = 0; k < 2; k++)
+            r->corner_uv[i][k] = r->corner_uv[i][k] * image->scale[k] + image->offset[k];
+    return import_add_mapped(r->target, r->corner, (const double (*)[2])r->corner_uv, count,
+                             material, r->group, err);
 }
 
 /* --- passes ----------------------------------------------------------------------------------- */
@@ -223,6 +264,19 @@ static bool vertex_read(ObjReader *r, const char *line, const char *object, Erro
     return true;
 }
 
+/* What is missing or no number counts as 0: an image may be wrong, light is not. */
+static bool uv_read(ObjReader *r, const char *line, Error *err)
+{
+    if (!array_reserve((void **)&r->uv, &r->uv_capacity, r->uv_count + 1, sizeof *r->uv,
+                       "places in images", err))
+        return false;
+    double *uv = r->uv[r->uv_count++];
+    for (int k = 0; k < 2; k++)
+        if (!text_number(&r->text, &line, &uv[k]) || !isfinite(uv[k]))
+            uv[k] = 0;
+    return true;
+}
+
 static bool vertices_read(ObjReader *r, Error *err)
 {
     char object[256] = "";
@@ -235,6 +289,8 @@ static bool vertices_read(ObjReader *r, Error *err)
             text_rest(line, object, sizeof object);
         else if (word_is(key, "v") && !vertex_read(r, line, object, err))
             return false;
+        else if (word_is(key, "vt") && !uv_read(r, line, err))
+            return false;
     }
     return true;
 }
@@ -242,7 +298,7 @@ static bool vertices_read(ObjReader *r, Error *err)
 /* Statements without meaning for light. */
 static bool key_ignored(Word key)
 {
-    static const char *const ignored[] = { "vt",   "vn",   "vp",   "s",          "mg",
+    static const char *const ignored[] = { "vn",   "vp",   "s",          "mg",
                                            "lod",  "bevel", "c_interp", "d_interp", "maplib",
                                            "usemap", "shadow_obj", "trace_obj" };
     for (size_t i = 0; i < sizeof ignored / sizeof *ignored; i++)
@@ -255,6 +311,8 @@ static bool statement_read(ObjReader *r, Word key, const char *line, Error *err)
 {
     if (word_is(key, "v")) {
         r->seen++;
+    } else if (word_is(key, "vt")) {
+        r->uv_seen++;
     } else if (word_is(key, "f") || word_is(key, "fo")) {
         return face_read(r, line, err);
     } else if (word_is(key, "usemtl")) {
@@ -294,9 +352,6 @@ static void findings_tell(const ObjReader *r)
         monitor_warn(reader_monitor(r), "faces-ignored", r->text.path,
                      "%llu faces have fewer than 3 corners and are left out",
                      (unsigned long long)r->small);
-    if (r->textured)
-        monitor_warn(reader_monitor(r), "textures-ignored", r->text.path,
-                     "images are not read: materials have one colour each");
     if (r->unknown[0] != 0)
         monitor_warn(reader_monitor(r), "statement-ignored", r->text.path,
                      "statements that are not polygons are left out, the first is '%s'",
@@ -313,6 +368,8 @@ bool import_obj(ImportTarget *target, Error *err)
     if (good)
         findings_tell(&r);
     array_free(r.corner);
+    array_free(r.corner_uv);
+    array_free(r.uv);
     array_free(r.read);
     library_clear(&r.library);
     text_close(&r.text);

@@ -28,6 +28,7 @@ typedef enum {
     RECORD_UP = 'U',       /* the file's own up */
     RECORD_WARNING = 'W',  /* code, where, text */
     RECORD_LOOSE = 'O',    /* points and lines that were ignored */
+    RECORD_TEXTURE = 'T',  /* name, width, height, whether floats, texels */
     RECORD_ERROR = 'E',    /* code, text; the last record */
     RECORD_END = 'Z'       /* hash; the last record */
 } RecordKind;

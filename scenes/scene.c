@@ -28,6 +28,7 @@ Scene *scene_destroy(Scene *scene)
     if (scene == NULL)
         return NULL;
     polygons_clear(&scene->polygons);
+    textures_clear(&scene->textures);
     array_free(scene->file);
     array_free(scene->lights);
     array_free(scene->cameras);
@@ -137,6 +138,9 @@ bool scene_check(const Scene *scene)
             return false;
     for (size_t i = 0; i < scene->light_count; i++)
         if (!light_good(&scene->lights[i]))
+            return false;
+    for (size_t i = 0; i < scene->polygons.material_count; i++)
+        if (scene->polygons.materials[i].texture > scene->textures.count)
             return false;
     return scene->file != NULL && scene->width >= 0 && scene->height >= 0 &&
            vec3_finite(scene->up) && vec3_length(scene->up) > 0 &&

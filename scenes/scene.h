@@ -13,6 +13,7 @@
 #include "base/monitor.h"
 #include "math/light.h"
 #include "mesh/polygons.h"
+#include "scenes/texture.h"
 
 typedef enum {
     CAMERA_PERSPECTIVE,          /* straight lines stay straight */
@@ -36,6 +37,7 @@ typedef struct {
 typedef struct {
     char      *file;             /* path as given */
     Polygons   polygons;
+    Textures   textures;         /* what Material.texture counts */
     Light     *lights;           /* [light_count] */
     size_t     light_count;
     Camera    *cameras;          /* [camera_count]; the first is the default */

@@ -22,7 +22,7 @@ typedef struct {
     char folder[200];
     int  warnings;
     char code[64], where[300], text[512];
-    int  named[2];          /* warnings "material-missing", "textures-ignored" */
+    int  named[2];          /* warnings "material-missing"; "textures-ignored" or "image-missing" */
 } Bench;
 
 static inline int bench_open(void **state)
@@ -73,7 +73,8 @@ static inline void bench_warn(void *user, const char *code, const char *where, c
     Bench *bench = user;
     bench->warnings++;
     bench->named[0] += strcmp(code, "material-missing") == 0;
-    bench->named[1] += strcmp(code, "textures-ignored") == 0;
+    bench->named[1] += strcmp(code, "textures-ignored") == 0 ||
+                       strcmp(code, "image-missing") == 0;
     snprintf(bench->code, sizeof bench->code, "%s", code);
     snprintf(bench->where, sizeof bench->where, "%s", where);
     snprintf(bench->text, sizeof bench->text, "%s", text);

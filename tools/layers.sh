@@ -42,7 +42,7 @@ done <<<"$layers"
 # library  file, for each include of an outside library: C++'s own headers have no dot and no slash
 users=$(grep -rE '^ *# *include *<' --include='*.[ch]' --include='*.cpp' $names 2>/dev/null |
     sed -nE 's/^([^:]*):[^<]*<([^>]*)>.*/\2 \1/p' | grep -E '^[^ ]*[./]' | grep -vE "^($system)\.h " |
-    sed -E 's/^openexr[^ ]*/OpenEXR/; s/^(stb\/)?stb_[^ ]*/stb/; s/^([^\/ ]*)\/[^ ]*/\1/' | sort -u)
+    sed -E 's/^openexr[^ ]*/OpenEXR/; s/^(stb\/)?(stb_[a-z_]*)[^ ]*/\2/; s/^([^\/ ]*)\/[^ ]*/\1/' | sort -u)
 # JSON is read by one file (scenes/gltf_json.c) and written by another (app/json.c).
 shared=$(echo "$users" | grep -vE '^jansson\.h (scenes/gltf_json|app/json)\.c$' |
     cut -d ' ' -f 1 | uniq -d)
