@@ -11,6 +11,7 @@
 #include "radiosity/sides.h"
 #include "radiosity/solve.h"
 #include "render/image.h"
+#include "render/whitted.h"
 #include "scenes/scene.h"
 
 /* The words of these options stand in the order of the library's enumerations. */
@@ -168,7 +169,10 @@ static const OptionRow option_rows[OPTION_COUNT] = {
     { OPTION_DIFFUSE, "--diffuse", NULL, COMMAND_RENDER, KIND_FLAG, FIELD(diffuse), 0, 0, NULL,
       "leave mirrors, glass and gloss out" },
     { OPTION_RENDERER, "--renderer", "NAME", COMMAND_RENDER, KIND_CHOICE, FIELD(renderer), 0, 0,
-      "gather,path", "gather (default), or unbiased paths without patches, the slow reference" },
+      "gather,path,whitted",
+      "gather (default); unbiased paths, the slow reference; plain ray tracing" },
+    { OPTION_DEPTH, "--depth", "N", COMMAND_RENDER, KIND_COUNT, FIELD(depth), 1,
+      WHITTED_DEPTH_MOST, NULL, "mirrors and glass that whitted follows rays through (default 5)" },
     { OPTION_BY, "--by", "WHAT", COMMAND_FACTORS, KIND_CHOICE, FIELD(by), 0, 0,
       "group,material,patch", "rows of the matrix (default group)" },
     { OPTION_ROWS, "--rows", "FILE", COMMAND_FACTORS, KIND_TEXT, FIELD(rows), 0, 0, NULL,

@@ -32,7 +32,7 @@ typedef enum {
 typedef enum { QUALITY_DRAFT, QUALITY_MEDIUM, QUALITY_HIGH, QUALITY_FINAL } QualityLevel;
 typedef enum { PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_JSON, PROGRESS_NONE } ProgressStyle;
 typedef enum { BY_GROUP, BY_MATERIAL, BY_PATCH } FactorsBy;
-typedef enum { RENDERER_GATHER, RENDERER_PATH } Renderer;
+typedef enum { RENDERER_GATHER, RENDERER_PATH, RENDERER_WHITTED } Renderer;
 typedef enum { EXCHANGE_NONE, EXCHANGE_GEBHART, EXCHANGE_HOTTEL, EXCHANGE_FLUX } ExchangeTable;
 typedef enum { STORAGE_32, STORAGE_16 } StorageBits;
 typedef enum { UNITS_PHOTOMETRIC, UNITS_RADIOMETRIC } Units;
@@ -107,6 +107,7 @@ typedef enum {
     OPTION_FOCUS,
     OPTION_DIFFUSE,
     OPTION_RENDERER,
+    OPTION_DEPTH,
     OPTION_BY,
     OPTION_ROWS,
     OPTION_ERRORS,
@@ -160,6 +161,7 @@ typedef struct Options {
     const char *changes;     /* file of changes */
     TextList    set;         /* changes */
     int         renderer;    /* Renderer */
+    uint32_t    depth;       /* of RENDERER_WHITTED; 0: not given */
     uint32_t    repair;      /* bit RepairBit: do it */
     uint32_t    samples;     /* compare: points of a solution; 0: not given */
     uint32_t    threads, seed, patches, rays, lamp_rays, max_iterations, spp, gather_rays;

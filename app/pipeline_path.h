@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* app/pipeline_path.h -- pictures that need no solution: --renderer path. */
+/* app/pipeline_path.h -- pictures that need no solution: --renderer path, whitted. */
 #ifndef APP_PIPELINE_PATH_H
 #define APP_PIPELINE_PATH_H
 

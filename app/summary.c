@@ -284,7 +284,8 @@ static void put_render(Json *json, const Pipeline *pipeline)
         json_number(json, "samples_per_pixel", pipeline->path.samples);
         json_number(json, "standard_error", pipeline->path.error);
     } else {
-        json_text(json, "renderer", "gather");
+        const bool plain = pipeline->session->options.renderer == RENDERER_WHITTED;
+        json_text(json, "renderer", plain ? "whitted" : "gather");
         json_count(json, "samples_per_pixel", settings->spp);
         json_count(json, "gather_rays", settings->gather_rays);
     }
@@ -496,6 +497,11 @@ void summary_print(const Pipeline *pipeline)
     }
     if (pipeline->solution != NULL)
         print_light(pipeline);
+    if (session->options.renderer == RENDERER_WHITTED && pipeline->width > 0)
+        session_say(session, "  frame    %.1f ms, %.1f ms with reading, tree and sides",
+                    1e3 * pipeline->render.seconds,
+                    1e3 * (pipeline->seconds[STAGE_READ] + pipeline->seconds[STAGE_MESH] +
+                           pipeline->seconds[STAGE_BVH] + pipeline->seconds[STAGE_GATHER]));
     if (pipeline->path.samples > 0)
         session_say(session, "  paths    %.6g per pixel, standard error %.3g %% (rms of pixels)",
                     pipeline->path.samples, 100 * pipeline->path.error);

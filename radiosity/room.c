@@ -35,7 +35,9 @@ void room_hit(const Room *room, const Hit *hit, Vec3 direction, RoomHit *out)
     out->point = at.point;
     out->side = side_hit(at.normal, direction);
     out->normal = out->side == 0 ? at.normal : vec3_scale(at.normal, -1);
-    out->patch = patches_at(room->patches, surfaces, out->surface, out->side, out->s, out->t);
+    out->patch = room->patches == NULL ? PATCH_NONE
+                                       : patches_at(room->patches, surfaces, out->surface,
+                                                    out->side, out->s, out->t);
 }
 
 Rgb room_emission(const Room *room, uint32_t patch)

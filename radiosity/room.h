@@ -22,7 +22,7 @@ enum { ROOM_BANDS = 3 }; /* bands of materials; solvers take any number */
 typedef struct {
     const Surfaces *surfaces;
     const Bvh      *bvh;            /* over the surfaces' primitives, in their order */
-    const Patches  *patches;
+    const Patches  *patches;        /* NULL: renderers that need no solution */
     const Material *materials;      /* [material_count] */
     size_t          material_count;
     const Textures *textures;       /* what Material.texture counts; NULL: none */

@@ -34,33 +34,68 @@ static Vec3 reflected(Vec3 in, Vec3 smooth, const RoomHit *hit)
     return height > 0 ? d : mirrored(d, hit->normal);
 }
 
-/* Glass: one of the two ways, by what each carries. */
-static bool glass(const Room *room, const Material *material, const RoomHit *hit, Vec3 normal,
-                  Vec3 in, double choice, Ray *ray, Rgb *weight)
+/* Glass: the share that goes back; *eta: index beyond over that here, 1 for a pane. */
+static double glass_back(const Room *room, const Material *material, const RoomHit *hit,
+                         double cosine, double *eta)
 {
-    const double cosine = fmin(fmax(-vec3_dot(in, normal), 0), 1);
     const double ior = material->ior > 0 ? material->ior : 1;
     const bool   skin = ior != 1 && mirrors_is_skin(room, hit->surface);
-    const double eta = skin && hit->side == 1 ? 1 / ior : ior;
-    const double f = skin ? fresnel(cosine, eta) : fresnel_pane(cosine, ior);
-    const double through = (1 - f) * rgb_max(material->transmittance);
-    const double chance = f / (f + through);
-    if (choice < chance) {
-        const Vec3   d = reflected(in, normal, hit);
-        const double w = f / chance;
-        *weight = rgb(w, w, w);
-        *ray = ray_leaving(hit->point, hit->normal, room->offset, d, INFINITY);
-        return true;
-    }
+    *eta = !skin ? 1 : hit->side == 1 ? 1 / ior : ior;
+    return skin ? fresnel(cosine, *eta) : fresnel_pane(cosine, ior);
+}
+
+static Ray back_from(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in)
+{
+    return ray_leaving(hit->point, hit->normal, room->offset, reflected(in, normal, hit), INFINITY);
+}
+
+static Ray across_to(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in, double cosine,
+                     double eta)
+{
     Vec3 d = in;
-    if (skin) {
+    if (eta != 1) {
         const double square = 1 - (1 - cosine * cosine) / (eta * eta);
         d = vec3_mad(vec3_scale(in, 1 / eta), cosine / eta - sqrt(fmax(square, 0)), normal);
         if (vec3_dot(d, hit->normal) > 0) /* the smooth normal bent it back out */
             d = mirrored(d, hit->normal);
     }
+    return ray_leaving(hit->point, hit->normal, -room->offset, vec3_unit(d), INFINITY);
+}
+
+static double cosine_in(Vec3 in, Vec3 normal) { return fmin(fmax(-vec3_dot(in, normal), 0), 1); }
+
+/* Glass: one of the two ways, by what each carries. */
+static bool glass(const Room *room, const Material *material, const RoomHit *hit, Vec3 normal,
+                  Vec3 in, double choice, Ray *ray, Rgb *weight)
+{
+    double       eta;
+    const double cosine = cosine_in(in, normal);
+    const double f = glass_back(room, material, hit, cosine, &eta);
+    const double through = (1 - f) * rgb_max(material->transmittance);
+    const double chance = f / (f + through);
+    if (choice < chance) {
+        const double w = f / chance;
+        *weight = rgb(w, w, w);
+        *ray = back_from(room, hit, normal, in);
+        return true;
+    }
     *weight = rgb_scale(material->transmittance, (1 - f) / (1 - chance));
-    *ray = ray_leaving(hit->point, hit->normal, -room->offset, vec3_unit(d), INFINITY);
+    *ray = across_to(room, hit, normal, in, cosine, eta);
+    return rgb_max(*weight) > 0;
+}
+
+bool specular_split(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in, bool across,
+                    Ray *ray, Rgb *weight)
+{
+    const Material *m = lamps_material(room, hit->surface, hit->side);
+    assert(mirrors_is(m));
+    double       eta = 1;
+    const bool   clear = rgb_max(m->transmittance) > 0;
+    const double cosine = cosine_in(in, normal);
+    const double f = clear ? glass_back(room, m, hit, cosine, &eta) : 0;
+    *weight = across ? rgb_scale(m->transmittance, 1 - f) : clear ? rgb(f, f, f) : m->specular;
+    *ray = across ? across_to(room, hit, normal, in, cosine, eta)
+                  : back_from(room, hit, normal, in);
     return rgb_max(*weight) > 0;
 }
 

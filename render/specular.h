@@ -15,6 +15,10 @@ bool specular_exists(const Material *material);
 bool specular_continue(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in,
                        const float u[3], Ray *ray, Rgb *weight);
 
+/* The same without chance, of mirrors and glass alone: the way back, or across. */
+bool specular_split(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in, bool across,
+                    Ray *ray, Rgb *weight);
+
 /* Follows a ray that gathers light from its nearest hit on, through mirrors and glass, to where it
  * ends: *ray is its last part, *hit its end (RAY_MISS: none), t with the way before. smooth: as of
  * render/normals.h. *rays counts those cast. Returns what its light counts; `turned`: it did not

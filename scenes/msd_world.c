@@ -249,10 +249,7 @@ bool msd_global(MsdReader *r, bool included)
     switch (word.word) {
     case WORD_SCREEN: return screen_read(r, included);
     case WORD_BACKGROUND: return colour_read(r, included, &r->scene->background);
-    case WORD_AMB_LIGHT:
-        if (!included)
-            msd_warn(r, word.place, "no-effect", "AMB_LIGHT is read and has no effect");
-        return colour_read(r, included, &r->scene->ambient);
+    case WORD_AMB_LIGHT: return colour_read(r, included, &r->scene->ambient);
     case WORD_ATT_POS_LIGHT: return light_read(r, false, included);
     case WORD_ATT_SPOT_LIGHT: return light_read(r, true, included);
     /* Tells how the colours that follow are written: to the end of this file. */

@@ -30,6 +30,9 @@ for n in 1 3; do
         --light ceiling "${view[@]}" --threads "$n" --progress none --json "$DIR/p.json"
 done
 ok "same paths" cmp "$DIR/p1.exr" "$DIR/p3.exr"
+ok "plain rays" exits 0 render "$cube" -o "$DIR/w.exr" --renderer whitted --depth 2 \
+    --light ceiling "${view[@]}"
+ok "their frame's time" grep -q 'frame .* ms' "$DIR/err"
 ok "paths tell their error" grep -q '"standard_error": [0-9]' "$DIR/p.json"
 ok "another seed, another picture" exits 0 render "$cube" -o "$DIR/s.exr" "${fast[@]}" \
     "${view[@]}" --seed 7

@@ -37,6 +37,7 @@ ok "both on standard output" fails 2 'standard output' factors "$cube" -o - --js
 ok "target without eye" fails 2 'belongs to --eye' render "$cube" --target 0,0,0
 ok "paths keep no tiles" fails 2 'renderer path makes none' render "$cube" --renderer path \
     --checkpoint 5s
+ok "depth of another renderer" fails 2 'belongs to --renderer whitted' render "$cube" --depth 3
 ok "picture with a strange name" fails 2 'ends in .exr' render "$cube" -o "$DIR/x.jpg"
 ok "picture to standard output" fails 2 'needs a name' render "$cube" -o -
 ok "measure without points" fails 2 'needs --points' measure "$cube"
