@@ -12,6 +12,7 @@
 #include "app/saving.h"
 #include "app/summary.h"
 #include "base/array.h"
+#include "render/records.h"
 
 typedef struct {
     char exr[4096], png[4096], values[4096]; /* the last: in false colours; "": none */
@@ -52,8 +53,11 @@ static void hurry_picture(Pipeline *pipeline)
         monitor_warn(&session->monitor, "hurried", session->options.scene,
                      "%s: finishing roughly", session_stop_reason());
     }
-    if (session->hurry)
+    if (session->hurry) {
         session->settings.spp = session->settings.gather_rays = 1;
+        session->settings.record_rays = 0;
+        session->settings.error = 0;
+    }
 }
 
 static Image *gather(Pipeline *pipeline, Error *err)
@@ -64,6 +68,7 @@ static Image *gather(Pipeline *pipeline, Error *err)
     Gatherer *gatherer = gatherer_create(&pipeline->room, pipeline->solution, pipeline->links,
                                          err);
     hurry_picture(pipeline);
+    Records *records = session->settings.record_rays > 0 ? records_create(err) : NULL;
     const RenderOptions ro = { .width = pipeline->width, .height = pipeline->height,
                                .samples = session->settings.spp,
                                .gather_rays = session->settings.gather_rays,
@@ -73,11 +78,15 @@ static Image *gather(Pipeline *pipeline, Error *err)
                                .background = pipeline->scene->background,
                                .seed = session->settings.seed,
                                .threads = session->settings.threads,
-                               .kept = saving_tiles(pipeline->saving) };
+                               .kept = saving_tiles(pipeline->saving),
+                               .records = records,
+                               .record_rays = session->settings.record_rays,
+                               .error = session->settings.error };
     Image *image = NULL;
     if (gatherer != NULL)
         image = render_gather(gatherer, &pipeline->camera, &ro, &pipeline->render,
                               &session->monitor, err);
+    records_destroy(records);
     gatherer_destroy(gatherer);
     pipeline_note(pipeline, STAGE_GATHER, begin);
     return image;

@@ -128,6 +128,10 @@ static const OptionRow option_rows[OPTION_COUNT] = {
     { OPTION_GATHER_RAYS, "--gather-rays", "N",
       COMMAND_RENDER | COMMAND_MEASURE | COMMAND_FACTORS, KIND_COUNT, FIELD(gather_rays), 1,
       1 << 24, NULL, "hemisphere rays per camera ray (render) or per point (measure, factors)" },
+    { OPTION_RECORD_RAYS, "--record-rays", "N", COMMAND_RENDER, KIND_COUNT, FIELD(record_rays), 0,
+      1 << 24, NULL, "hemisphere rays of each record of indirect light; 0: no records" },
+    { OPTION_ERROR, "--error", "X", COMMAND_RENDER, KIND_SHARE, FIELD(error), 1e-6, 1, NULL,
+      "standard error of pixels to reach, as 1% of the mean; --spp bounds the effort" },
     { OPTION_EXPOSURE, "--exposure", "EV", COMMAND_RENDER | COMMAND_SOLVE | COMMAND_DEVELOP,
       KIND_EXPOSURE, FIELD(exposure), 0, 0, NULL,
       "of PNG and PLY colours, in stops, or auto (default)" },
@@ -335,6 +339,10 @@ static bool store_value(Options *options, const OptionRow *row, const char *text
         break;
     case KIND_NUMBER:
         good = value_number(text, &number) && number >= row->low && number <= row->high;
+        *(double *)field = number;
+        break;
+    case KIND_SHARE:
+        good = value_share(text, &number) && number >= row->low && number <= row->high;
         *(double *)field = number;
         break;
     case KIND_BYTES:

@@ -88,6 +88,8 @@ typedef enum {
     OPTION_SIZE,
     OPTION_SPP,
     OPTION_GATHER_RAYS,
+    OPTION_RECORD_RAYS,
+    OPTION_ERROR,
     OPTION_EXPOSURE,
     OPTION_TONE,
     OPTION_FALSE_COLOUR,
@@ -165,6 +167,8 @@ typedef struct Options {
     uint32_t    repair;      /* bit RepairBit: do it */
     uint32_t    samples;     /* compare: points of a solution; 0: not given */
     uint32_t    threads, seed, patches, rays, lamp_rays, max_iterations, spp, gather_rays;
+    uint32_t    record_rays; /* meaningful only when given: 0 is a value */
+    double      error;       /* of pixels, relative; 0: not given */
     uint64_t    max_memory;  /* bytes */
     double      time_limit;  /* seconds */
     double      checkpoint;  /* seconds between two; only when given */
@@ -185,6 +189,7 @@ typedef enum {
     KIND_TEXTS,    /* TextList, one more each time */
     KIND_COUNT,    /* uint32_t within low..high */
     KIND_NUMBER,   /* double within low..high */
+    KIND_SHARE,    /* the same: 0.01 or 1% */
     KIND_BYTES,    /* uint64_t: 512MB */
     KIND_SECONDS,  /* double: 30s 5min */
     KIND_CHOICE,   /* int: position in the list of words */
@@ -227,6 +232,8 @@ Command     command_from_name(const char *name);
 /* --- values: each reads the whole text or fails without touching *value ----------------------- */
 
 bool value_number(const char *text, double *value);
+/* 0.01 or 1%. */
+bool value_share(const char *text, double *value);
 bool value_count(const char *text, uint32_t *value);
 bool value_bytes(const char *text, uint64_t *value);
 bool value_seconds(const char *text, double *value);

@@ -41,6 +41,20 @@ bool value_number(const char *text, double *value)
     return true;
 }
 
+bool value_share(const char *text, double *value)
+{
+    assert(text != NULL && value != NULL);
+    const char *end = NULL;
+    double v = 0;
+    if (!number_prefix(text, &v, &end))
+        return false;
+    const bool percent = *end == '%';
+    if (end[percent ? 1 : 0] != '\0')
+        return false;
+    *value = percent ? v / 100 : v;
+    return true;
+}
+
 bool value_count(const char *text, uint32_t *value)
 {
     assert(text != NULL && value != NULL);

@@ -462,7 +462,9 @@ int pipeline_exit_code(const Pipeline *pipeline)
     const LightAccuracy *light = &pipeline->accuracy;
     const bool dim = light->asked > 0 && (light->reached > light->asked ||
                                           light->points > light->asked);
-    return unsolved || rough || dim || (promised && open) ? 4 : 0;
+    const bool noisy = options_given(&pipeline->session->options, OPTION_ERROR) &&
+                       pipeline->render.error > pipeline->session->options.error;
+    return unsolved || rough || noisy || dim || (promised && open) ? 4 : 0;
 }
 
 void pipeline_clear(Pipeline *pipeline)

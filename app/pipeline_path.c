@@ -15,7 +15,9 @@ bool pipeline_path_allowed(const Options *options, Error *err)
     char word[32];
     if (options_given(options, OPTION_DEPTH) && options->renderer != RENDERER_WHITTED)
         return error_set(err, ERROR_USAGE, "--depth belongs to --renderer whitted");
-    if (options_given(options, OPTION_ACCURACY) && options->renderer == RENDERER_WHITTED)
+    const bool asked = options_given(options, OPTION_ACCURACY) ||
+                       options_given(options, OPTION_ERROR);
+    if (asked && options->renderer == RENDERER_WHITTED)
         return error_set(err, ERROR_USAGE, "--renderer whitted has no error to be told or reached");
     if (options->renderer == RENDERER_GATHER)
         return true;

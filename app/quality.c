@@ -11,6 +11,15 @@ typedef struct {
     double   tolerance, accuracy;
 } Level;
 
+/* What a picture has of its own. Its patches and factors are those of a level, mostly of a coarser
+ * one: they are seen a bounce away from the eye only. */
+typedef struct {
+    QualityLevel patches;
+    uint32_t record_rays;
+    uint32_t most;  /* samples of a pixel where noise decides */
+    double   error; /* 0: spp for each pixel */
+} Picture;
+
 /* Each step takes about four times as long as the one before and halves the noise. Light is read
  * off the patches one bounce away from the eye, so they may be coarse; pixels may not be noisy.
  * The tolerance bounds the error of the energy balance; sweeps over stored links cost next to
@@ -22,12 +31,29 @@ static const Level levels[] = {
     [QUALITY_FINAL] = { 40000, 1024, 256, 1024, 4, 65536, 1e-8, 1e-5 },
 };
 
+static const Picture pictures[] = {
+    [QUALITY_DRAFT] = { QUALITY_DRAFT, 256, 64, 0.02 },
+    [QUALITY_MEDIUM] = { QUALITY_DRAFT, 1024, 256, 0.006 },
+    [QUALITY_HIGH] = { QUALITY_MEDIUM, 2048, 1024, 0.004 },
+    [QUALITY_FINAL] = { QUALITY_FINAL, 0, 1024, 0 },
+};
+
+/* Whether the command makes a picture with records of indirect light. */
+static bool uses_records(const Options *options)
+{
+    const uint32_t rays = options_given(options, OPTION_RECORD_RAYS)
+                              ? options->record_rays : pictures[options->quality].record_rays;
+    return options->command == COMMAND_RENDER && options->renderer == RENDERER_GATHER &&
+           rays > 0 && !(options->gather_rays > 0);
+}
+
 /* By default only where the number of patches is free: who asks for a size means it. Factors that
  * are kept must serve other light as well, so they are those before any division. */
 static bool adapts(const Options *options)
 {
     const bool can = (options_table()[OPTION_ADAPT].commands & (unsigned)options->command) != 0;
     const bool by_default = options->quality >= QUALITY_MEDIUM && !(options->patch_size > 0) &&
+                            !uses_records(options) &&
                             options->factors == NULL;
     return can && !options->no_adapt && (options->adapt || by_default);
 }
@@ -43,10 +69,30 @@ static SurfaceOptions repair_options(const Options *options)
                              .keep_winding = (repair >> REPAIR_WINDING & 1) == 0 };
 }
 
+/* Noise decides how many samples a pixel gets, unless their number was asked for and no error; and
+ * records hold the indirect light, unless each camera ray shall gather. */
+static void picture_settings(const Options *options, Settings *s)
+{
+    const Picture *picture = &pictures[options->quality];
+    const bool     gather = options->command == COMMAND_RENDER &&
+                            options->renderer == RENDERER_GATHER;
+    s->error = gather && options->spp == 0 && options->gather_rays == 0 ? picture->error : 0;
+    if (options->error > 0 && gather)
+        s->error = options->error;
+    if (options->error > 0 && !gather) /* paths know one error */
+        s->accuracy = options->error;
+    if (options->spp == 0 && s->error > 0)
+        s->spp = picture->most;
+    if (uses_records(options))
+        s->record_rays = options_given(options, OPTION_RECORD_RAYS) ? options->record_rays
+                                                                    : picture->record_rays;
+}
+
 Settings quality_settings(const Options *options)
 {
     assert(options->quality >= QUALITY_DRAFT && options->quality <= QUALITY_FINAL);
-    const Level *level = &levels[options->quality];
+    const QualityLevel own = (QualityLevel)options->quality;
+    const Level *level = &levels[uses_records(options) ? pictures[own].patches : own];
     const bool points = options->command == COMMAND_MEASURE ||
                         options->command == COMMAND_FACTORS;
     Settings s = { .patches = level->patches, .rays = level->rays, .lamp_rays = level->lamp_rays,
@@ -84,6 +130,7 @@ Settings quality_settings(const Options *options)
         s.spp = options->spp;
     if (options->gather_rays > 0)
         s.gather_rays = options->gather_rays;
+    picture_settings(options, &s);
     return s;
 }
 
@@ -121,6 +168,13 @@ static void print_value(FILE *out, const Options *options, OptionId id, double v
         fprintf(out, "%s %.12g\n", row->name + 2, value);
 }
 
+static void print_picture(FILE *out, const Options *options, const Settings *s)
+{
+    if ((options_table()[OPTION_RECORD_RAYS].commands & (unsigned)options->command) != 0)
+        fprintf(out, "record-rays %u\n", s->record_rays);
+    print_value(out, options, OPTION_ERROR, s->error);
+}
+
 void quality_print(FILE *out, const Options *options, const Settings *s)
 {
     print_choice(out, options, OPTION_QUALITY, options->quality);
@@ -141,6 +195,7 @@ void quality_print(FILE *out, const Options *options, const Settings *s)
     print_value(out, options, OPTION_MAX_ITERATIONS, s->max_iterations);
     print_value(out, options, OPTION_SPP, s->spp);
     print_value(out, options, OPTION_GATHER_RAYS, s->gather_rays);
+    print_picture(out, options, s);
     print_choice(out, options, OPTION_EMIT, options->emit);
     print_choice(out, options, OPTION_SIDES, options->sides);
     print_choice(out, options, OPTION_UNITS, options->units);

@@ -27,6 +27,8 @@ typedef struct {
     uint32_t max_iterations; /* 0: no limit */
     uint32_t spp;
     uint32_t gather_rays;    /* per camera ray; for measure: per point */
+    uint32_t record_rays;    /* per record of indirect light; 0: every camera ray gathers */
+    double   error;          /* of pixels; 0: spp for each, whatever their noise */
     unsigned threads;        /* 0: one per core */
     uint32_t seed;
 } Settings;

@@ -286,8 +286,13 @@ static void put_render(Json *json, const Pipeline *pipeline)
     } else {
         const bool plain = pipeline->session->options.renderer == RENDERER_WHITTED;
         json_text(json, "renderer", plain ? "whitted" : "gather");
-        json_count(json, "samples_per_pixel", settings->spp);
+        json_number(json, "samples_per_pixel", plain ? settings->spp : pipeline->render.samples);
         json_count(json, "gather_rays", settings->gather_rays);
+        json_count(json, "record_rays", settings->record_rays);
+        if (settings->error > 0) {
+            json_number(json, "error_asked", settings->error);
+            json_number(json, "standard_error", pipeline->render.error);
+        }
     }
     json_count(json, "rays", pipeline->render.rays);
     json_number(json, "seconds", pipeline->render.seconds);
@@ -508,9 +513,12 @@ void summary_print(const Pipeline *pipeline)
     if (pipeline->width > 0)
         session_say(session, "  picture  %d x %d, %.6g samples, %.3g rays, exposure %+.2f, %.2f s",
                     pipeline->width, pipeline->height,
-                    pipeline->path.samples > 0 ? pipeline->path.samples : session->settings.spp,
+                    pipeline->path.samples > 0 ? pipeline->path.samples : pipeline->render.samples,
                     (double)pipeline->render.rays, pipeline->exposure,
                     pipeline->seconds[STAGE_GATHER]);
+    if (pipeline->render.error > 0)
+        session_say(session, "  error    %.3g %% (standard error of pixels, root mean square)",
+                    100 * pipeline->render.error);
     session_say(session, "  in all   %.2f s, %.0f MB",
                 progress_now() - session->printer.start, 1e-6 * (double)progress_peak_bytes());
 }

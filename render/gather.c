@@ -166,7 +166,7 @@ void gather_irradiance(const Gatherer *gatherer, Vec3 point, Vec3 normal, uint32
                                       .seed = sampling_seed(seed, k, 0, 0),
                                       .clear = gatherer->room->mirrors, .guides = &guides };
         wave.point[0][0] = (WavePoint){ .at = at, .guide = guides_find(&guides, &at) };
-        wave_gather(&wave, 1, &options);
+        wave_gather(&wave, 1, 1, &options);
         out->direct = rgb_mad(out->direct, 1.0 / SCRAMBLINGS, wave.direct[0]);
         out->indirect = rgb_mad(out->indirect, 1.0 / SCRAMBLINGS, wave.indirect[0]);
         /* Differences from the first, so that the squares do not cancel. */

@@ -39,11 +39,19 @@ typedef struct {
     int      crop[4];       /* left, top, right, bottom of the part to make; all 0: the whole */
     struct KeptTiles *kept; /* tiles of an earlier run, and where finished ones can be saved from
                                (render/kept_tiles.h); NULL: none */
+    struct Records *records; /* indirect light kept from picture to picture (render/records.h),
+                                filled for this view first; NULL: rays for every sample */
+    uint32_t record_rays;    /* hemisphere rays of a record; 0: 1024 */
+    double   error;          /* > 0: samples go on until the standard error of pixels is about this
+                                share of the picture's mean luminance, up to `samples` each */
 } RenderOptions;
 
 typedef struct {
     uint64_t rays;
     double   seconds;
+    double   samples; /* camera rays per pixel, on the mean */
+    double   error;   /* standard error of pixels that was reached, root mean square, relative to
+                         the mean luminance or a brighter pixel's own; 0: not known */
 } RenderReport;
 
 /* fails  NULL; ERROR_MEMORY. Stopped by the monitor: the image with what was finished (whole rows

@@ -33,7 +33,7 @@ struct KeptTiles {
 };
 
 /* Layers as rows of 4-byte values: how many a pixel has, and where they begin. */
-enum { LAYERS = 8, PIXEL_BYTES = 4 * (6 * 3 + 2) };
+enum { LAYERS = 9, PIXEL_BYTES = 4 * (6 * 3 + 3) };
 typedef struct {
     void  *begin;
     size_t bytes;        /* of a pixel */
@@ -47,6 +47,7 @@ static void find_layers(const Image *image, Layer layer[LAYERS])
         layer[k] = (Layer){ three[k], 3 * sizeof(float) };
     layer[6] = (Layer){ image->depth, sizeof(float) };
     layer[7] = (Layer){ image->patch, sizeof(uint32_t) };
+    layer[8] = (Layer){ image->deviation, sizeof(float) };
 }
 
 KeptTiles *kept_tiles_create(Error *err)
@@ -91,9 +92,12 @@ static unsigned char *copy_tile(const KeptTiles *kept, uint32_t number, unsigned
     for (int k = 0; k < LAYERS; k++)
         for (size_t y = box.y; y < box.y + box.height; y++) {
             const size_t size = box.width * layer[k].bytes;
-            unsigned char *at = (unsigned char *)layer[k].begin +
+            unsigned char *at = layer[k].begin == NULL ? NULL : (unsigned char *)layer[k].begin +
                                 (y * (size_t)image->width + box.x) * layer[k].bytes;
-            memcpy(into ? at : bytes, into ? bytes : at, size);
+            if (layer[k].begin == NULL && !into) /* not estimated: room is kept all the same */
+                memset(bytes, 0, size);
+            else if (layer[k].begin != NULL)
+                memcpy(into ? at : bytes, into ? bytes : at, size);
             bytes += size;
         }
     return bytes;

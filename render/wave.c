@@ -40,10 +40,12 @@ static void add_to(Wave *wave, const WavePoint *point, unsigned level, Rgb irrad
 /* A sum of WAVE_RAYS numbers in double less one of them is off by less than this share of it. */
 static const double SUM_RESIDUE = WAVE_RAYS * DBL_EPSILON;
 
-static LampPlan plan_of(unsigned level, const WaveOptions *options)
+static LampPlan plan_of(const Wave *wave, unsigned level, uint32_t point,
+                        const WaveOptions *options)
 {
+    const uint32_t rays = point < wave->gathered ? options->gather_rays : 0;
     return (LampPlan){ .lamp_rays = level == 0 ? options->lamp_rays : 1,
-                       .gather_rays = level == 0 ? options->gather_rays : 1,
+                       .gather_rays = level == 0 ? rays : 1,
                        .below = options->lamp_shares };
 }
 
@@ -54,12 +56,12 @@ static uint32_t aim_block(Wave *wave, unsigned level, uint32_t begin, uint32_t e
 {
     const Gatherer *g = wave->gatherer;
     const uint32_t  seed = seed_of(options->seed, lights ? SEED_LIGHT : SEED_LAMP, level);
-    const LampPlan  plan = plan_of(level, options);
     uint32_t        n = 0;
     for (uint32_t e = begin; e < end; e++) {
         const WavePoint *p = &wave->point[level][e / rays];
+        const LampPlan   plan = plan_of(wave, level, e / rays, options);
         float            u[2];
-        sampling_sobol2(p->index * rays + e % rays, seed, u);
+        sampling_sobol2(p->index * rays + e % rays, seed ^ p->seed, u);
         LampSample *s = &wave->sample[n];
         const bool  any = lights ? lamps_sample_light(&g->lamps, &p->at, u[0], s)
                                  : lamps_sample(&g->lamps, &p->at, &plan, u[0], u[1], s);
@@ -86,29 +88,58 @@ static void cast_shadows(Wave *wave, uint32_t n, const WaveOptions *options)
                                           : rgb(0, 0, 0);
 }
 
+/* Sums of luminance over lamp samples: what would arrive at most, and what does. */
+typedef struct {
+    double   all, lit;
+    uint32_t count;
+} LampSum;
+
+/* Of fewer samples than this the share that arrives is that of all, the corrected one included:
+ * one that is 0 by chance, most of the lamp being below the horizon, would else spoil the other.
+ * The sum is then the closed form times that share, off by at most about 1/n of the covariance of
+ * light and shadow too. */
+enum { CONTROL_FEW = 16 };
+
+static void sum_groups(const Wave *wave, unsigned level, uint32_t n, LampSum *sum)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        LampSum *s = &sum[level == 0 ? wave->point[0][wave->owner[i]].group : 0];
+        s->count++;
+        s->all += rgb_luminance(wave->sample[i].value);
+        s->lit += rgb_luminance(rgb_mul(wave->pass[i], wave->sample[i].value));
+    }
+}
+
 /* Sums a block of lamp samples. Of sample i, of which the share v arrives, worth u, expected a:
- * v u + b (a - u), b the share of all other samples of the block that arrives; deeper levels, where
+ * v u + b (a - u), b the share of all other samples of its group that arrives; deeper levels, where
  * a block may be a single sample, count the share of level 0 as one sample more. */
 static void add_block(Wave *wave, unsigned level, uint32_t n, uint32_t rays)
 {
-    double lit = 0, all = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        all += rgb_luminance(wave->sample[i].value);
-        lit += rgb_luminance(rgb_mul(wave->pass[i], wave->sample[i].value));
+    LampSum sum[WAVE_POINTS] = { { 0 } }, whole = { 0 };
+    sum_groups(wave, level, n, sum);
+    for (uint32_t k = 0; k < (level == 0 ? WAVE_POINTS : 1); k++) {
+        whole.all += sum[k].all;
+        whole.lit += sum[k].lit;
     }
-    const double prior = level > 0 && wave->lit_known ? all / n : 0;
+    const double prior = level > 0 && wave->lit_known ? whole.all / n : 0;
     for (uint32_t i = 0; i < n; i++) {
         const LampSample *s = &wave->sample[i];
+        const WavePoint  *p = &wave->point[level][wave->owner[i]];
+        const LampSum    *all = &sum[level == 0 ? p->group : 0];
         const Rgb    arrives = rgb_mul(wave->pass[i], s->value);
-        const double others = all - rgb_luminance(s->value) + prior;
-        const double others_lit = lit - rgb_luminance(arrives) + prior * wave->lit_share;
+        const bool   few = level == 0 && all->count < CONTROL_FEW;
+        const double others = all->all + prior - (few ? 0 : rgb_luminance(s->value));
+        const double others_lit = all->lit + prior * wave->lit_share -
+                                  (few ? 0 : rgb_luminance(arrives));
         /* Rounding of the sums leaves a residue where the others are nothing. */
-        const double b = others > all * SUM_RESIDUE ? fmin(fmax(others_lit / others, 0), 1) : 0;
+        const double b = others > whole.all * SUM_RESIDUE
+                             ? fmin(fmax(others_lit / others, 0), 1)
+                             : few && whole.all > 0 ? whole.lit / whole.all : 0;
         const Rgb    e = rgb_mad(arrives, b, rgb_mad(s->control, -1, s->value));
-        add_to(wave, &wave->point[level][wave->owner[i]], level, rgb_scale(e, 1.0 / rays));
+        add_to(wave, p, level, rgb_scale(e, 1.0 / rays));
     }
-    if (level == 0 && all > 0) {
-        wave->lit_share = lit / all;
+    if (level == 0 && whole.all > 0) {
+        wave->lit_share = whole.lit / whole.all;
         wave->lit_known = true;
     }
 }
@@ -220,7 +251,7 @@ static void aim_ray(Wave *wave, unsigned level, uint32_t k, uint32_t seed, float
 {
     const WavePoint *p = &wave->point[level][wave->owner[k]];
     float u[2];
-    sampling_sobol2(wave->index[k], seed, u);
+    sampling_sobol2(wave->index[k], seed ^ p->seed, u);
     for (int i = 0; i < 2; i++)
         u[i] = u[i] + turn < 1 ? u[i] + turn : u[i] + turn - 1;
     wave->worth[k] = p->guide != NULL ? (float)guide_map(p->guide, u) : 1;
@@ -305,7 +336,7 @@ static void receive_at(Wave *wave, unsigned level, const WavePoint *from, uint32
     const Material *m = places_hit(room, &hit, &scratch);
     const Receiver  at = { hit.point, hit.normal };
     wave->point[level + 1][next] = (WavePoint){
-        .at = at, .root = from->root, .index = index,
+        .at = at, .root = from->root, .index = index, .seed = from->seed,
         .guide = guides != NULL ? guides_find(guides, &at) : NULL,
         .weight = rgb_scale(rgb_mul(rgb_mul(from->weight, wave->pass[k]), m->reflectance),
                             worth) };
@@ -320,11 +351,22 @@ static void add_lamp(Wave *wave, unsigned level, const WavePoint *from, uint32_t
     RoomHit         hit;
     room_hit(g->room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
     const Material *m = lamps_material(g->room, hit.surface, hit.side);
-    const LampPlan  plan = plan_of(level, options);
+    const LampPlan  plan = plan_of(wave, level, wave->owner[k], options);
     const double    share =
         wave->turned[k] ? 1 : lamps_share(&g->lamps, &from->at, &plan, &hit);
     add_to(wave, from, level, rgb_scale(rgb_mul(m->emission, wave->pass[k]),
                                         M_PI * share * wave->worth[k] / rays));
+}
+
+/* Takes note of where a ray of a point of level 0 ended. */
+static void add_view(Wave *wave, uint32_t k, const WaveEnd *end)
+{
+    WaveView    *view = &wave->view[wave->owner[k]];
+    const double t = wave->hit[k].t;
+    const double bright = wave->worth[k] * rgb_luminance(wave_radiosity(wave->gatherer, end));
+    view->nearest = fmin(view->nearest, t);
+    view->bright += bright;
+    view->closeness += bright / fmax(t * t, DBL_MIN);
 }
 
 /* A ray's end: a lamp's share, then the solution, or one more receiving point. Returns how many
@@ -339,13 +381,17 @@ static uint32_t read_end(Wave *wave, unsigned level, uint32_t k, uint32_t rays,
     if (room->patches->first[end.side][end.surface] == PATCH_NONE)
         return next;
     const double worth = wave->worth[k] / rays;
-    if ((g->lamps.shared || wave->turned[k]) && room->emitting[end.surface] >> end.side & 1)
+    const bool   view_only = level == 0 && options->indirect_only;
+    if (view_only)
+        add_view(wave, k, &end);
+    if (((g->lamps.shared && !view_only) || wave->turned[k]) &&
+        room->emitting[end.surface] >> end.side & 1)
         add_lamp(wave, level, p, k, rays, options);
     const double chance = level + 1 < WAVE_LEVELS ? wave_nearness(g, &end, &wave->hit[k]) : 0;
     if (chance > 0) {
         const uint32_t index = wave->index[k];
         const double luck =
-            sampling_mix(index ^ seed_of(options->seed, SEED_RAMP, level)) * 0x1p-32;
+            sampling_mix(index ^ p->seed ^ seed_of(options->seed, SEED_RAMP, level)) * 0x1p-32;
         if (luck < chance) {
             receive_at(wave, level, p, k, worth, index, options->guides, next);
             return next + 1;
@@ -360,11 +406,15 @@ static uint32_t read_end(Wave *wave, unsigned level, uint32_t k, uint32_t rays,
 static void receive(Wave *wave, unsigned level, uint32_t count, const WaveOptions *options)
 {
     assert(level < WAVE_LEVELS && count <= WAVE_RAYS);
-    receive_lamps(wave, level, count, options, false);
+    const bool lamps = level > 0 || !options->indirect_only;
+    if (lamps)
+        receive_lamps(wave, level, count, options, false);
     /* Who sees to the point lights at the points themselves does not where rays end. */
-    if ((options->lights || level > 0) && wave->gatherer->room->light_count > 0)
+    if (lamps && (options->lights || level > 0) && wave->gatherer->room->light_count > 0)
         receive_lamps(wave, level, count, options, true);
     const uint32_t rays = level == 0 ? options->gather_rays : 1;
+    if (level == 0)
+        count = wave->gathered;
     for (uint32_t begin = 0; begin < count * rays; begin += WAVE_RAYS) {
         const uint32_t left = count * rays - begin;
         const uint32_t n = left < WAVE_RAYS ? left : WAVE_RAYS;
@@ -378,9 +428,10 @@ static void receive(Wave *wave, unsigned level, uint32_t count, const WaveOption
     }
 }
 
-void wave_gather(Wave *wave, uint32_t count, const WaveOptions *options)
+void wave_gather(Wave *wave, uint32_t count, uint32_t gathered, const WaveOptions *options)
 {
-    assert(count <= WAVE_POINTS);
+    assert(count <= WAVE_POINTS && gathered <= count);
+    wave->gathered = gathered;
     assert(options->gather_rays > 0 && options->lamp_rays > 0);
     wave->lit_known = false;
     wave->lit_share = 0; /* 0 times what memory held before could be NaN */
@@ -388,6 +439,7 @@ void wave_gather(Wave *wave, uint32_t count, const WaveOptions *options)
         wave->point[0][i].root = i;
         wave->point[0][i].weight = rgb(1, 1, 1);
         wave->direct[i] = wave->indirect[i] = rgb(0, 0, 0);
+        wave->view[i] = (WaveView){ .nearest = INFINITY };
     }
     if (count > 0)
         receive(wave, 0, count, options);

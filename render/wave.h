@@ -46,6 +46,8 @@ typedef struct {
     uint32_t root;   /* index of the point that asked, < WAVE_POINTS */
     uint32_t index;  /* of its sample in its sequences */
     const Guide *guide; /* of its hemisphere rays; NULL: none */
+    uint32_t seed;   /* of its own, mixed with the block's */
+    uint32_t group;  /* points whose lamp samples share a control, < WAVE_POINTS; level 0 */
 } WavePoint;
 
 typedef struct {
@@ -56,13 +58,22 @@ typedef struct {
     bool     clear;                  /* light goes on at mirrors and glass; else they absorb it */
     const double *lamp_shares;       /* from lamps_aim, or NULL */
     const Guides *guides;            /* for points beyond level 0; may be NULL */
+    bool     indirect_only;          /* no light straight from lamps and lights at level 0 */
 } WaveOptions;
+
+/* What lies around a point: where light comes from near by, light changes soon. */
+typedef struct {
+    double nearest;   /* distance, INFINITY: nothing is hit */
+    double bright;    /* luminances at the rays' ends, summed */
+    double closeness; /* the same over the squares of the distances */
+} WaveView;
 
 typedef struct Wave {
     const Gatherer *gatherer;
     uint64_t  rays;                  /* cast so far */
     Rgb       direct[WAVE_POINTS];   /* irradiance, results of wave_gather */
     Rgb       indirect[WAVE_POINTS];
+    WaveView  view[WAVE_POINTS];     /* of points with hemisphere rays, indirect_only */
     WavePoint point[WAVE_LEVELS][WAVE_RAYS];
     Ray       ray[WAVE_RAYS];
     Hit       hit[WAVE_RAYS];
@@ -75,11 +86,13 @@ typedef struct Wave {
     uint32_t   index[WAVE_RAYS];     /* of the hemisphere ray in its sequence */
     double     lit_share;            /* of the last block of lamp rays of level 0 */
     bool       lit_known;
+    uint32_t   gathered;             /* points of level 0 with hemisphere rays */
 } Wave;
 
-/* Light at the first `count` <= WAVE_POINTS points of level 0 (at, index and guide filled by the
- * caller) into direct and indirect. */
-void wave_gather(Wave *wave, uint32_t count, const WaveOptions *options);
+/* Light at the first `count` <= WAVE_POINTS points of level 0 (at, index, guide, seed and group
+ * filled by the caller) into direct and indirect. Of them the first `gathered` cast hemisphere
+ * rays; for the others indirect is 0. */
+void wave_gather(Wave *wave, uint32_t count, uint32_t gathered, const WaveOptions *options);
 
 /* How far rays that leave p are moved off their surface. */
 double wave_offset(const Room *room, Vec3 p);

@@ -36,6 +36,16 @@ for shape in tent gauss blackman-harris; do
 done
 ok "filters differ" differ "$DIR/tent.exr" "$DIR/gauss.exr"
 
+noise=(--quality draft --patches 200 --rays 16 --size 64x48 --progress none)
+ok "an error asked for" exits 0 render $box "${noise[@]}" --error 5% --spp 1024 -o "$DIR/n.exr" \
+    --json "$DIR/n.json"
+ok "it is told" grep -q '"standard_error"' "$DIR/n.json"
+ok "an error out of reach" exits 4 render $box "${noise[@]}" --error 0.00001 --spp 8 \
+    -o "$DIR/m.exr"
+ok "no error at all" fails 2 'error' render $box --error 0%
+ok "rays for every sample" exits 0 render $box "${fast[@]}" --record-rays 0 -o "$DIR/r.exr"
+ok "records are another picture" differ "$DIR/r.exr" "$DIR/perspective.exr"
+
 ok "false colours beside the picture" exits 0 \
     render $box "${fast[@]}" --false-colour illuminance --isolines -o "$DIR/a.exr"
 ok "they are there" is_png "$DIR/a.illuminance.png"

@@ -44,7 +44,7 @@ ok "measure without points" fails 2 'needs --points' measure "$cube"
 ok "unknown camera" fails 2 "no camera 'attic'" render "$cube" -o "$DIR/x.exr" --camera attic \
     "${fast[@]}"
 
-ok "print-config" exits 0 render --print-config --quality high --spp 7
+ok "print-config" exits 0 render --print-config --quality high --spp 7 --gather-rays 4
 ok "print-config expands" grep -qx 'rays 512' "$DIR/out"
 ok "print-config overrides" grep -qx 'spp 7' "$DIR/out"
 ok "a set of words" exits 0 render --print-config --repair all,-winding

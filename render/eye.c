@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Samples of pixels: eye's rays, mirrors and glass on the way, light where they end. */
+#include "render/eye.h"
+
+#include <assert.h>
+
+#include "math/sampling.h"
+#include "radiosity/places.h"
+#include "render/normals.h"
+#include "render/specular.h"
+
+enum { BOUNCES = 8 };
+enum { SEED_PIXEL = 100, SEED_SPECULAR, SEED_LENS, SEED_WAVE = 200 }; /* + bounce for the last */
+
+static const double PI = 3.14159265358979323846;
+
+bool eye_ray(const CameraRays *camera, double x, double y, const float *lens, Ray *ray)
+{
+    Vec3 o, d;
+    if (!camera_rays_at(camera, x, y, lens, &o, &d))
+        return false;
+    *ray = (Ray){ .ox = (float)o.x, .oy = (float)o.y, .oz = (float)o.z, .t_min = 0,
+                  .dx = (float)d.x, .dy = (float)d.y, .dz = (float)d.z, .t_max = INFINITY };
+    return true;
+}
+
+static bool emits(const Room *room, const RoomHit *hit)
+{
+    return room->emitting[hit->surface] >> hit->side & 1;
+}
+
+/* The point where light is received, and what is known of it already. */
+static void receive_point(const Eye *eye, const EyeSample *sample, const EyeRay *ray,
+                          const RoomHit *hit, Rgb albedo, unsigned bounce, EyePoint *out)
+{
+    const Receiver at = { hit->point, hit->normal };
+    *out = (EyePoint){
+        .point = { .at = at, .index = sample->index, .group = sample->group,
+                   .seed = sampling_mix(sample->seed + SEED_WAVE + bounce),
+                   .guide = guides_find(&eye->guides, &at) },
+        .albedo = albedo, .sample = ray->sample,
+        .throughput = rgb_scale(rgb_mul(ray->weight, albedo), 1 / PI)
+    };
+}
+
+/* Whether two points are seen through one pixel on one plane. */
+static bool same_place(const EyeSample *sample, const EyePoint *a, const EyePoint *b)
+{
+    static const double one_way = 1 - 1e-6; /* normals within 0.1 degrees */
+    const EyeSample *one = &sample[a->sample], *two = &sample[b->sample];
+    return one->x == two->x && one->y == two->y &&
+           vec3_dot(a->point.at.normal, b->point.at.normal) > one_way;
+}
+
+/* Reads the records. Points side by side in a pixel share what their mean point gets: light is
+ * linear there. */
+static void read_records(Eye *eye, const EyeSample *sample, uint32_t points, unsigned bounce)
+{
+    for (uint32_t k = 0, end; k < points; k = end) {
+        EyePoint *first = &eye->point[k];
+        Receiver  at = first->point.at;
+        for (end = k + 1; end < points && bounce == 0 &&
+                          same_place(sample, first, &eye->point[end]); end++)
+            at.point = vec3_add(at.point, eye->point[end].point.at.point);
+        at.point = vec3_scale(at.point, 1.0 / (end - k));
+        first->known = records_find(eye->options->records, &at, &first->recorded);
+        for (uint32_t i = k + 1; i < end; i++) {
+            eye->point[i].known = first->known;
+            eye->point[i].recorded = first->recorded;
+        }
+    }
+}
+
+/* Handles one end of an eye's ray: what it shows by itself, a receiving point, a ray further on.
+ * Returns whether *on was filled. */
+static bool end_of_ray(Eye *eye, const EyeSample *samples, uint32_t i, unsigned bounce,
+                       uint32_t *points, EyeRay *on)
+{
+    const Room      *room = eye->gatherer->room;
+    const EyeRay    *ray = &eye->eye[i];
+    const EyeSample *sample = &samples[ray->sample];
+    Pixel           *pixel = sample->pixel;
+    if (eye->hit[i].primitive == RAY_MISS) {
+        pixel->radiance = rgb_add(pixel->radiance,
+                                  rgb_mul(ray->weight, eye->options->background));
+        return false;
+    }
+    const Vec3 in = vec3(ray->ray.dx, ray->ray.dy, ray->ray.dz);
+    RoomHit    hit;
+    room_hit(room, &eye->hit[i], in, &hit);
+    Material        scratch;
+    const Material *m = places_hit(room, &hit, &scratch);
+    if (emits(room, &hit))
+        pixel->radiance = rgb_add(pixel->radiance, rgb_mul(ray->weight, m->emission));
+    if (bounce == 0 || rgb_max(m->reflectance) > 0)
+        receive_point(eye, sample, ray, &hit, m->reflectance, bounce, &eye->point[(*points)++]);
+    if (eye->options->diffuse_only || bounce == BOUNCES || !specular_exists(m))
+        return false;
+    float u[4];
+    Rgb   weight;
+    sampling_sobol4(sample->index, sampling_seed(sample->seed, SEED_SPECULAR, bounce, 0), u);
+    *on = (EyeRay){ .sample = ray->sample };
+    const Vec3 way = vec3_unit(in);
+    const Vec3 normal = normals_at(eye->gatherer->smooth, room, &hit, way);
+    if (!specular_continue(room, &hit, normal, way, u, &on->ray, &weight))
+        return false;
+    on->weight = rgb_mul(ray->weight, weight);
+    return rgb_max(on->weight) > 0;
+}
+
+/* Adds what a receiving point of some bounce found. */
+static void add_point(const EyePoint *point, Rgb direct, Rgb indirect, unsigned bounce,
+                      Pixel *pixel)
+{
+    const Rgb e = rgb_add(direct, indirect);
+    pixel->radiance = rgb_add(pixel->radiance, rgb_mul(point->throughput, e));
+    if (point->known)
+        pixel->deviation += rgb_luminance(point->throughput) * point->recorded.deviation;
+    if (bounce > 0)
+        return;
+    pixel->direct = rgb_add(pixel->direct, rgb_mul(point->throughput, direct));
+    pixel->indirect = rgb_add(pixel->indirect, rgb_mul(point->throughput, indirect));
+    pixel->albedo = rgb_add(pixel->albedo, point->albedo);
+    pixel->irradiance = rgb_add(pixel->irradiance, e);
+}
+
+/* Light at the receiving points of one bounce; those without a record come first and gather. */
+static void gather_points(Eye *eye, const EyeSample *sample, uint32_t points, unsigned bounce)
+{
+    const RenderOptions *o = eye->options;
+    uint32_t order[WAVE_POINTS], n = 0;
+    for (int known = 0; known < 2; known++)
+        for (uint32_t k = 0; k < points; k++)
+            if (eye->point[k].known == (known > 0))
+                order[n++] = k;
+    uint32_t gathered = 0;
+    for (uint32_t k = 0; k < points; k++) {
+        eye->wave.point[0][k] = eye->point[order[k]].point;
+        gathered += !eye->point[k].known;
+    }
+    const WaveOptions wave = { .gather_rays = o->gather_rays, .lamp_rays = o->light_rays,
+                               .lights = true, .clear = !o->diffuse_only,
+                               .lamp_shares = eye->lamp_shares, .guides = &eye->guides };
+    wave_gather(&eye->wave, points, gathered, &wave);
+    for (uint32_t k = 0; k < points; k++) {
+        const EyePoint *p = &eye->point[order[k]];
+        add_point(p, eye->wave.direct[k],
+                  p->known ? p->recorded.irradiance : eye->wave.indirect[k], bounce,
+                  sample[p->sample].pixel);
+    }
+}
+
+/* Rays from the eye; returns how many show something. */
+static uint32_t start_rays(Eye *eye, const EyeSample *sample, uint32_t count)
+{
+    const bool blur = camera_rays_blur(eye->camera);
+    uint32_t   seen = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const EyeSample *s = &sample[i];
+        EyeRay          *ray = &eye->eye[seen];
+        float            u[2], lens[2];
+        double           at[2];
+        sampling_sobol2(s->index, sampling_mix(s->seed + SEED_PIXEL), u);
+        if (blur)
+            sampling_sobol2(s->index, sampling_mix(s->seed + SEED_LENS), lens);
+        *ray = (EyeRay){ .weight = { 1, 1, 1 }, .sample = i };
+        filter_table_offset(eye->filter, u, at);
+        seen += eye_ray(eye->camera, s->x + at[0], s->y + at[1], blur ? lens : NULL, &ray->ray);
+    }
+    return seen;
+}
+
+void eye_gather(Eye *eye, const EyeSample *sample, uint32_t count)
+{
+    assert(count <= WAVE_POINTS);
+    count = start_rays(eye, sample, count);
+    for (unsigned bounce = 0; count > 0; bounce++) {
+        uint32_t points = 0, next = 0;
+        assert(bounce <= BOUNCES);
+        for (uint32_t i = 0; i < count; i++)
+            eye->ray[i] = eye->eye[i].ray;
+        bvh_nearest_many(eye->gatherer->room->bvh, eye->ray, eye->hit, count);
+        eye->wave.rays += count;
+        for (uint32_t i = 0; i < count; i++) {
+            EyeRay on;
+            if (end_of_ray(eye, sample, i, bounce, &points, &on))
+                eye->eye[next++] = on;
+        }
+        if (eye->options->records != NULL)
+            read_records(eye, sample, points, bounce);
+        gather_points(eye, sample, points, bounce);
+        count = next;
+    }
+}

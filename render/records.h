@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* render/records.h -- indirect light kept at points of surfaces, and read in between them.
+ *
+ * A record holds the indirect irradiance of a point, how it changes along the surface, and the
+ * radius within which it is of use. Between records their planes are blended, so that light
+ * is smooth where it is in truth.
+ * Method   irradiance caching [ward88], records placed before they are read. Values and slopes
+ *          are fitted to the neighbours' values by least squares, which takes noise away too.
+ * Threads  reading from any; adding and fitting from one at a time.
+ */
+#ifndef RENDER_RECORDS_H
+#define RENDER_RECORDS_H
+
+#include "base/error.h"
+#include "math/rgb.h"
+#include "render/lamps.h"
+
+typedef struct {
+    Receiver at;
+    double   radius;
+    Rgb      irradiance; /* as gathered */
+    double   deviation;  /* standard error of its luminance */
+    Vec3     s, t;       /* unit, along the surface; set by records_add, like all below */
+    double   fitted_deviation;
+    double   fit[3][3];  /* of each band: 1, s, t, lengths in radii */
+} Record;
+
+typedef struct Records Records;
+
+/* owns   the caller frees with records_destroy.
+ * fails  NULL; ERROR_MEMORY. */
+Records *records_create(Error *err);
+/* Frees; NULL is allowed. Always returns NULL. */
+Records *records_destroy(Records *records);
+
+/* Adds records, level so far, and makes them known to records_find.
+ * fails  false; ERROR_MEMORY. */
+bool records_add(Records *records, const Record *record, uint32_t count, Error *err);
+/* Fits record begin..end-1 to all records' values. Threads: several may, for ranges apart. */
+void records_fit(Records *records, uint32_t begin, uint32_t end);
+uint32_t records_count(const Records *records);
+
+/* What the records say of a point. */
+typedef struct {
+    Rgb    irradiance;
+    double deviation;  /* standard error of its luminance, as far as records have noise */
+    double nearness;   /* 1 at a record, 0 where the last one's radius ends */
+} Recorded;
+/* false: no record reaches the point. */
+bool records_find(const Records *records, const Receiver *at, Recorded *out);
+
+#endif

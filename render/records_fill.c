@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Where records of indirect light are wanted, and the light there. */
+#include "render/records_fill.h"
+
+#include <assert.h>
+#include <stdlib.h>
+
+#include "base/array.h"
+#include "base/parallel.h"
+#include "math/sampling.h"
+#include "radiosity/places.h"
+#include "render/wave.h"
+
+/* Pixels between the records of the coarsest and the finest grid. */
+enum { STRIDE_FIRST = 16, STRIDE_LAST = 4 };
+enum { RECORDS_BLOCK = WAVE_POINTS / 2 }; /* each is gathered twice, to know its noise */
+enum { BLOCK_SIDE = 6 };  /* about its square root */
+enum { SEED_RECORD = 300, SEED_RECORD_TWIN, SEED_GUIDE };
+
+/* A point is served when a record is this near (records.h): half of the radius is left. */
+static const double NEAR_ENOUGH = 0.5;
+/* The radius is at most this share of the distance to what is nearest, so that light is not carried
+ * past what hides it, and of the distance over which the kernel of light's transport changes by as
+ * much as itself: linear in the first place, second order in the second. */
+static const double NEAREST_SHARE = 0.6, CHANGE_SHARE = 0.3;
+/* In pixels: records do not lie closer than eye can tell, nor farther than the grids look. */
+static const double RADIUS_LEAST = 5, RADIUS_MOST = 32;
+
+typedef struct {
+    Receiver at;
+    double   pixel;  /* width that a pixel covers there */
+    uint32_t order;  /* neighbours in the picture have near numbers */
+    bool     wanted;
+} Place;
+
+typedef struct {
+    const Records     *records;
+    const Gatherer    *gatherer;
+    const CameraRays  *camera;
+    const RecordsWish *wish;
+    const Monitor     *monitor;
+    Wave     *wave;      /* [threads] */
+    Place    *place;     /* [across * down], then the first `wanted` of them */
+    Record   *record;    /* [wanted] */
+    uint64_t *rays;      /* [blocks] */
+    uint32_t  across, down, wanted;
+    int       stride;
+} Fill;
+
+/* --- where ----------------------------------------------------------------------------------- */
+
+/* What pixel (x, y) shows, if that receives light and no record serves it. */
+static bool look_at(const Fill *fill, int x, int y, Place *place)
+{
+    const Room *room = fill->gatherer->room;
+    Vec3    o, d;
+    Hit     h;
+    RoomHit hit;
+    Recorded recorded;
+    if (!camera_rays_at(fill->camera, x + 0.5, y + 0.5, NULL, &o, &d))
+        return false;
+    const Ray ray = { .ox = (float)o.x, .oy = (float)o.y, .oz = (float)o.z, .t_min = 0,
+                      .dx = (float)d.x, .dy = (float)d.y, .dz = (float)d.z, .t_max = INFINITY };
+    if (!bvh_nearest(room->bvh, &ray, &h))
+        return false;
+    room_hit(room, &h, d, &hit);
+    Material scratch;
+    if (!(rgb_max(places_hit(room, &hit, &scratch)->reflectance) > 0))
+        return false;
+    const double distance = vec3_length(vec3_sub(hit.point, o));
+    *place = (Place){ .at = { hit.point, hit.normal }, .wanted = true,
+                      .pixel = camera_rays_footprint(fill->camera, distance) };
+    return !records_find(fill->records, &place->at, &recorded) ||
+           recorded.nearness < NEAR_ENOUGH;
+}
+
+/* Bits of i and j in turns (a Z-shaped curve). */
+static uint32_t interleave(uint32_t i, uint32_t j)
+{
+    uint32_t z = 0;
+    for (unsigned bit = 0; bit < 16; bit++)
+        z |= (i >> bit & 1) << 2 * bit | (j >> bit & 1) << (2 * bit + 1);
+    return z;
+}
+
+static void look_rows(void *context, uint32_t begin, uint32_t end, unsigned thread)
+{
+    const Fill *fill = context;
+    (void)thread;
+    for (uint32_t j = begin; j < end; j++)
+        for (uint32_t i = 0; i < fill->across; i++) {
+            Place    *place = &fill->place[(size_t)j * fill->across + i];
+            const int x = (int)i * fill->stride + fill->stride / 2;
+            const int y = (int)j * fill->stride + fill->stride / 2;
+            *place = (Place){ .wanted = false };
+            if (x < fill->wish->width && y < fill->wish->height)
+                place->wanted = look_at(fill, x, y, place);
+            place->order = interleave(i, j);
+        }
+}
+
+/* --- the light there ------------------------------------------------------------------------- */
+
+static double radius_of(const WaveView *one, const WaveView *two, double pixel)
+{
+    const double closeness = one->closeness + two->closeness, bright = one->bright + two->bright;
+    const double nearest = fmin(one->nearest, two->nearest);
+    const double change = closeness > 0 ? sqrt(bright / closeness) : INFINITY;
+    const double radius = fmin(NEAREST_SHARE * nearest, CHANGE_SHARE * change);
+    return fmin(fmax(radius, RADIUS_LEAST * pixel), RADIUS_MOST * pixel);
+}
+
+/* Where light comes from, as the points of a block learn together. */
+static void train_block(const Fill *fill, Wave *wave, Guides *guides, uint32_t begin,
+                        uint32_t end)
+{
+    Receiver at[RECORDS_BLOCK];
+    double   reach[RECORDS_BLOCK];
+    for (uint32_t i = begin; i < end; i++) {
+        at[i - begin] = fill->place[i].at;
+        reach[i - begin] = BLOCK_SIDE * fill->stride * fill->place[i].pixel;
+    }
+    guides_train(guides, wave, at, reach, end - begin, fill->wish->rays,
+                 sampling_seed(begin, (uint32_t)fill->stride, fill->wish->seed, SEED_GUIDE));
+}
+
+static void gather_block(const Fill *fill, Wave *wave, uint32_t begin, uint32_t end)
+{
+    Guides guides;
+    const RecordsWish *wish = fill->wish;
+    const WaveOptions  options = { .gather_rays = wish->rays / 2, .lamp_rays = 1,
+                                   .clear = wish->clear, .indirect_only = true,
+                                   .guides = &guides };
+    train_block(fill, wave, &guides, begin, end);
+    for (uint32_t i = begin; i < end; i++)
+        for (uint32_t twin = 0; twin < 2; twin++)
+            wave->point[0][2 * (i - begin) + twin] = (WavePoint){
+                .at = fill->place[i].at, .guide = guides_find(&guides, &fill->place[i].at),
+                .seed = sampling_seed(i, (uint32_t)fill->stride, wish->seed, SEED_RECORD + twin)
+            };
+    wave_gather(wave, 2 * (end - begin), 2 * (end - begin), &options);
+    for (uint32_t i = begin; i < end; i++) {
+        const uint32_t k = 2 * (i - begin);
+        /* Light straight from lamps is what mirrors pass on: who reads records does not see it. */
+        const Rgb one = rgb_add(wave->indirect[k], wave->direct[k]);
+        const Rgb two = rgb_add(wave->indirect[k + 1], wave->direct[k + 1]);
+        fill->record[i] = (Record){
+            .at = fill->place[i].at,
+            .radius = radius_of(&wave->view[k], &wave->view[k + 1], fill->place[i].pixel),
+            .irradiance = rgb_scale(rgb_add(one, two), 0.5),
+            .deviation = fabs(rgb_luminance(one) - rgb_luminance(two)) / 2
+        };
+    }
+}
+
+static void gather_blocks(void *context, uint32_t begin, uint32_t end, unsigned thread)
+{
+    const Fill *fill = context;
+    Wave       *wave = &fill->wave[thread];
+    assert(fill->record != NULL);
+    for (uint32_t b = begin; b < end; b++) {
+        const uint32_t from = b * RECORDS_BLOCK, left = fill->wanted - from;
+        wave->rays = 0;
+        gather_block(fill, wave, from, from + (left < RECORDS_BLOCK ? left : RECORDS_BLOCK));
+        fill->rays[b] = wave->rays;
+    }
+}
+
+/* --- in rounds ------------------------------------------------------------------------------- */
+
+static int compare_order(const void *a, const void *b)
+{
+    const uint32_t one = ((const Place *)a)->order, two = ((const Place *)b)->order;
+    return one < two ? -1 : one > two;
+}
+
+static void keep_wanted(Fill *fill)
+{
+    const uint32_t places = fill->across * fill->down;
+    fill->wanted = 0;
+    for (uint32_t i = 0; i < places; i++)
+        if (fill->place[i].wanted)
+            fill->place[fill->wanted++] = fill->place[i];
+    qsort(fill->place, fill->wanted, sizeof *fill->place, compare_order);
+}
+
+static bool stopped(Error *err)
+{
+    return error_set(err, ERROR_STOPPED, "the picture was stopped before it was complete");
+}
+
+/* One grid of pixels. */
+static bool fill_round(Fill *fill, Records *records, uint64_t *rays, Error *err)
+{
+    const unsigned threads = fill->wish->threads;
+    const Progress base = { .stage = "records", .done = 1, .energy_left = -1 };
+    fill->across = (uint32_t)((fill->wish->width + fill->stride - 1) / fill->stride);
+    fill->down = (uint32_t)((fill->wish->height + fill->stride - 1) / fill->stride);
+    fill->place = array_create((size_t)fill->across * fill->down, sizeof(Place), "records", err);
+    if (fill->place == NULL)
+        return false;
+    if (!parallel_for(fill->down, 1, threads, look_rows, fill, fill->monitor, NULL))
+        return stopped(err);
+    *rays += (uint64_t)fill->across * fill->down;
+    keep_wanted(fill);
+    const uint32_t blocks = (fill->wanted + RECORDS_BLOCK - 1) / RECORDS_BLOCK;
+    fill->record = array_create((size_t)fill->wanted + 1, sizeof(Record), "records", err);
+    fill->rays = array_create((size_t)blocks + 1, sizeof *fill->rays, "records", err);
+    if (error_is_set(err))
+        return false;
+    if (!parallel_for(blocks, 1, threads, gather_blocks, fill, fill->monitor, &base))
+        return stopped(err);
+    for (uint32_t b = 0; b < blocks; b++)
+        *rays += fill->rays[b];
+    return records_add(records, fill->record, fill->wanted, err);
+}
+
+static void fit_range(void *context, uint32_t begin, uint32_t end, unsigned thread)
+{
+    (void)thread;
+    records_fit(context, begin, end);
+}
+
+bool records_fill(Records *records, const Gatherer *gatherer, const CameraRays *camera,
+                  const RecordsWish *wish, uint64_t *rays, const Monitor *monitor, Error *err)
+{
+    RecordsWish w = *wish;
+    Fill        fill = { .records = records, .gatherer = gatherer, .camera = camera, .wish = &w,
+                         .monitor = monitor };
+    assert(records != NULL && gatherer != NULL);
+    w.rays = w.rays > 1 ? w.rays : 1024;
+    assert(w.width > 0 && w.height > 0);
+    w.threads = parallel_threads(w.threads);
+    if (error_is_set(err))
+        return false;
+    fill.wave = array_create(w.threads, sizeof *fill.wave, "records", err);
+    for (unsigned i = 0; fill.wave != NULL && i < w.threads; i++)
+        fill.wave[i].gatherer = gatherer;
+    for (fill.stride = STRIDE_FIRST; fill.wave != NULL && fill.stride >= STRIDE_LAST;
+         fill.stride /= 2) {
+        const bool done = fill_round(&fill, records, rays, err);
+        fill.place = array_free(fill.place);
+        fill.record = array_free(fill.record);
+        fill.rays = array_free(fill.rays);
+        if (!done)
+            break;
+    }
+    array_free(fill.wave);
+    if (!error_is_set(err) &&
+        !parallel_for(records_count(records), 256, w.threads, fit_range, records, monitor, NULL))
+        stopped(err);
+    return !error_is_set(err);
+}
