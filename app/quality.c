@@ -16,6 +16,7 @@ typedef struct {
 typedef struct {
     QualityLevel patches;
     uint32_t record_rays;
+    uint32_t gather_rays; /* of the few camera rays that end where no record is near */
     uint32_t most;  /* samples of a pixel where noise decides */
     double   error; /* 0: spp for each pixel */
 } Picture;
@@ -32,10 +33,10 @@ static const Level levels[] = {
 };
 
 static const Picture pictures[] = {
-    [QUALITY_DRAFT] = { QUALITY_DRAFT, 256, 64, 0.02 },
-    [QUALITY_MEDIUM] = { QUALITY_DRAFT, 1024, 256, 0.006 },
-    [QUALITY_HIGH] = { QUALITY_MEDIUM, 2048, 1024, 0.004 },
-    [QUALITY_FINAL] = { QUALITY_FINAL, 0, 1024, 0 },
+    [QUALITY_DRAFT] = { QUALITY_DRAFT, 256, 16, 64, 0.02 },
+    [QUALITY_MEDIUM] = { QUALITY_DRAFT, 1024, 16, 256, 0.006 },
+    [QUALITY_HIGH] = { QUALITY_MEDIUM, 2048, 32, 1024, 0.004 },
+    [QUALITY_FINAL] = { QUALITY_FINAL, 0, 4, 1024, 0 },
 };
 
 /* Whether the command makes a picture with records of indirect light. */
@@ -83,9 +84,11 @@ static void picture_settings(const Options *options, Settings *s)
         s->accuracy = options->error;
     if (options->spp == 0 && s->error > 0)
         s->spp = picture->most;
-    if (uses_records(options))
-        s->record_rays = options_given(options, OPTION_RECORD_RAYS) ? options->record_rays
-                                                                    : picture->record_rays;
+    if (!uses_records(options))
+        return;
+    s->record_rays = options_given(options, OPTION_RECORD_RAYS) ? options->record_rays
+                                                                : picture->record_rays;
+    s->gather_rays = picture->gather_rays;
 }
 
 Settings quality_settings(const Options *options)
