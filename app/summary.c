@@ -507,7 +507,10 @@ void summary_print(const Pipeline *pipeline)
                     1e3 * pipeline->render.seconds,
                     1e3 * (pipeline->seconds[STAGE_READ] + pipeline->seconds[STAGE_MESH] +
                            pipeline->seconds[STAGE_BVH] + pipeline->seconds[STAGE_GATHER]));
-    if (pipeline->path.samples > 0)
+    if (pipeline->path.samples > 0 && isnan(pipeline->path.error))
+        session_say(session, "  paths    %.6g per pixel: too few to tell their error",
+                    pipeline->path.samples);
+    else if (pipeline->path.samples > 0)
         session_say(session, "  paths    %.6g per pixel, standard error %.3g %% (rms of pixels)",
                     pipeline->path.samples, 100 * pipeline->path.error);
     if (pipeline->width > 0)
