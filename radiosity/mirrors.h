@@ -22,7 +22,8 @@
 bool mirrors_exist(const Material *materials, size_t count);
 static inline bool mirrors_is(const Material *m)
 {
-    return rgb_max(m->transmittance) > 0 || m->cut_out || (rgb_max(m->specular) > 0 && isinf(m->exponent));
+    return rgb_max(m->transmittance) > 0 || m->cut_out ||
+           (rgb_max(m->specular) > 0 && isinf(m->exponent));
 }
 
 /* Which surfaces are the skin of a clear body, and so bend light: those that hang together with

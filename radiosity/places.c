@@ -47,6 +47,7 @@ const Material *places_material(const Room *room, uint32_t primitive, unsigned s
                                 Material *scratch)
 {
     const Material *m = &room->materials[material_of(room, primitive, side)];
+    assert(side < 2 && scratch != NULL);
     if (m->texture == 0)
         return m;
     const FaceMap *map = map_of(room, primitive, side);
@@ -81,6 +82,7 @@ Rgb places_reflectance(const Room *room, uint32_t patch, double *opaque)
     PatchPoint at;
     Rgb        sum = { 0, 0, 0 };
     double     weights = 0, whole = 0;
+    assert(patch < patches->count);
     if (opaque != NULL)
         *opaque = 1;
     if (m->texture == 0 || room->textures == NULL)

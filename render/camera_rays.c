@@ -89,6 +89,7 @@ static void through_lens(const CameraRays *rays, const float *lens, Vec3 *origin
     const double radius = rays->lens * sqrt((double)lens[0]), angle = 2 * PI * (double)lens[1];
     Vec3   a = rays->right, b = rays->up;
     double distance = rays->focus;
+    assert(rays->focus > 0);
     if (rays->projection == CAMERA_PERSPECTIVE)
         distance /= vec3_dot(*direction, rays->forward);
     else if (rays->projection != CAMERA_ORTHOGRAPHIC)
@@ -119,6 +120,7 @@ bool camera_rays_at(const CameraRays *rays, double x, double y, const float *len
 
 void camera_rays_crop(CameraRays *rays, int x, int y)
 {
+    assert(x >= 0 && y >= 0);
     rays->half_width -= x;
     rays->half_height -= y;
 }

@@ -48,6 +48,7 @@ void filter_table_init(FilterTable *table, PixelFilter shape)
     const double radius = filter_radius(shape), width = 2 * radius / STEPS;
     double       sum = 0, total = 0;
     int          next = 0;
+    assert(radius > 0);
     for (int i = 0; i < STEPS; i++)
         total += filter_height(shape, -radius + (i + 0.5) * width);
     for (int i = 0; i < STEPS; i++) {
@@ -64,6 +65,7 @@ void filter_table_init(FilterTable *table, PixelFilter shape)
 
 void filter_table_offset(const FilterTable *table, const float u[2], double offset[2])
 {
+    assert(u[0] >= 0 && u[0] <= 1 && u[1] >= 0 && u[1] <= 1);
     for (int k = 0; k < 2; k++) {
         const double at = (double)u[k] * FILTER_STEPS;
         const int    i = at < FILTER_STEPS ? (int)at : FILTER_STEPS - 1;

@@ -100,6 +100,7 @@ typedef struct {
     GltfNode *node;        /* [node_count] */
     size_t    node_count;
     Material *material;    /* [material_count]  names owned */
+    bool     *image;       /* [material_count]  has an image of its colour */
     size_t    material_count;
     Light    *light;       /* [light_count]  in the world */
     size_t    light_count;

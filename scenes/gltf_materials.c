@@ -16,14 +16,37 @@ typedef struct {
     Rgb    base;
     double alpha, metallic, roughness;
     Rgb    specular;        /* of pbrSpecularGlossiness */
-    bool   textured;
+    const Json *image;      /* of the colour; NULL: none */
 } PbrValues;
 
 /* --- values ----------------------------------------------------------------------------------- */
 
-static bool has_texture(const Json *object, const char *key)
+/* An entry of a list by a number that may be anything; NULL: there is none. */
+static const Json *entry_of(const GltfContext *c, const Json *object, const char *where,
+                            const char *key, const Json *list)
 {
-    return gltf_member(object, key) != NULL;
+    const double at = gltf_number(c, object, where, key, -1);
+    return at >= 0 && at < (double)gltf_count(list) && at == floor(at)
+               ? gltf_item(list, (size_t)at) : NULL;
+}
+
+/* Whether an image is really there: its numbers lead to one that has bytes or a name. One that is
+ * missing, or in a form that is an extension, is told. */
+static bool image_exists(const GltfContext *c, const Json *root, const Json *info,
+                         const char *where)
+{
+    const Json *images = gltf_list(c, root, "", "images");
+
+    if (info == NULL)
+        return false;
+    const Json *texture = entry_of(c, info, where, "index", gltf_list(c, root, "", "textures"));
+    const Json *image = texture != NULL ? entry_of(c, texture, where, "source", images) : NULL;
+    const bool there = gltf_member(image, "uri") != NULL ||
+                       gltf_member(image, "bufferView") != NULL;
+    if (!there)
+        monitor_warn(c->monitor, "image-missing", where,
+                     "its image is not in the file in a form that can be read; it has one colour");
+    return there;
 }
 
 static Rgb color_read(const GltfContext *c, const Json *object, const char *where, const char *key,
@@ -59,13 +82,13 @@ static PbrValues surface_read(const GltfContext *c, const Json *material, const 
         base_read(c, old, where, "diffuseFactor", &s);
         s.specular = color_read(c, old, where, "specularFactor", rgb(1, 1, 1));
         s.roughness = 1 - share(gltf_number(c, old, where, "glossinessFactor", 1));
-        s.textured = has_texture(old, "diffuseTexture");
+        s.image = gltf_object(c, old, where, "diffuseTexture");
         return s;
     }
     base_read(c, pbr, where, "baseColorFactor", &s);
     s.metallic = share(gltf_number(c, pbr, where, "metallicFactor", 1));
     s.roughness = share(gltf_number(c, pbr, where, "roughnessFactor", 1));
-    s.textured = has_texture(pbr, "baseColorTexture");
+    s.image = gltf_object(c, pbr, where, "baseColorTexture");
     return s;
 }
 
@@ -107,8 +130,8 @@ static void transparency_apply(const GltfContext *c, const Json *material, const
     m->transmittance = rgb_mad(rgb(1 - covers, 1 - covers, 1 - covers), covers, m->transmittance);
 }
 
-static Material material_read(const GltfContext *c, const Json *json, const char *where,
-                              bool *textured)
+static Material material_read(const GltfContext *c, const Json *root, const Json *json,
+                              const char *where, bool *image)
 {
     Material m = material_default();
     const PbrValues s = surface_read(c, json, where);
@@ -127,30 +150,32 @@ static Material material_read(const GltfContext *c, const Json *json, const char
     }
     m.emission = rgb_scale(color_read(c, json, where, "emissiveFactor", rgb(0, 0, 0)), strength);
     transparency_apply(c, json, where, &s, &m);
-    *textured = s.textured || has_texture(json, "emissiveTexture");
+    *image = image_exists(c, root, s.image, where);
+    m.cut_out = *image && strcmp(gltf_word(c, json, where, "alphaMode", "OPAQUE"), "OPAQUE") != 0;
     return m;
 }
 
 bool gltf_read_materials(const GltfContext *c, const Json *root, Gltf *gltf)
 {
     const Json *list = gltf_list(c, root, "", "materials");
-    bool any_textured = false;
+    bool glowing = false;
 
+    gltf->image = array_create(gltf_count(list), sizeof *gltf->image, "materials", c->err);
     gltf->material = array_create(gltf_count(list), sizeof *gltf->material, "materials", c->err);
     for (size_t i = 0; i < gltf_count(list) && !error_is_set(c->err); i++) {
         const Json *json = gltf_item(list, i);
         char where[48];
-        bool textured;
         snprintf(where, sizeof where, "materials[%zu]", i);
         if (!gltf_is_object(json))
             return gltf_error(c, where, "is not an object");
-        gltf->material[i] = material_read(c, json, where, &textured);
+        gltf->material[i] = material_read(c, root, json, where, &gltf->image[i]);
         gltf->material[i].name = array_string(gltf_word(c, json, where, "name", where), c->err);
         gltf->material_count++;
-        any_textured = any_textured || textured;
+        glowing = glowing || (gltf_member(json, "emissiveTexture") != NULL &&
+                              rgb_max(gltf->material[i].emission) > 0);
     }
-    if (any_textured && !error_is_set(c->err))
+    if (glowing && !error_is_set(c->err))
         monitor_warn(c->monitor, "textures-ignored", c->path,
-                     "images are not read: materials have one colour each");
+                     "images of emission are not read: such materials emit everywhere alike");
     return !error_is_set(c->err);
 }

@@ -142,6 +142,7 @@ Gltf *gltf_destroy(Gltf *gltf)
     for (size_t i = 0; i < gltf->material_count; i++)
         array_free(gltf->material[i].name);
     array_free(gltf->material);
+    array_free(gltf->image);
     array_free(gltf->node);
     array_free(gltf->light);
     array_free(gltf->camera);

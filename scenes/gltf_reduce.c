@@ -81,13 +81,42 @@ static void primitive_add(const GltfContext *c, TextOut *out, const Gltf *gltf,
     const size_t position = gltf_index(c, gltf_member(primitive, "attributes"), where, "POSITION",
                                        many);
 
-    text_add(out, "{\"attributes\":{\"POSITION\":%zu}", position);
+    text_add(out, "{\"attributes\":{\"POSITION\":%zu", position);
+    for (int set = 0; set < 2; set++) {
+        char key[16];
+        snprintf(key, sizeof key, "TEXCOORD_%d", set);
+        const size_t at = gltf_index(c, gltf_member(primitive, "attributes"), where, key, many);
+        if (at != SIZE_MAX && material != SIZE_MAX && gltf->image[material])
+            text_add(out, ",\"%s\":%zu", key, at);
+    }
+    text_add(out, "}");
     if (indices != SIZE_MAX)
         text_add(out, ",\"indices\":%zu", indices);
     if (mode != SIZE_MAX)
         text_add(out, ",\"mode\":%zu", mode);
     if (material != SIZE_MAX)
         text_add(out, ",\"material\":%zu", material);
+    text_add(out, "}");
+}
+
+/* Its name, and the image of its colour: assimp finds and unpacks that. */
+static void material_add(TextOut *out, const Json *root, const Gltf *gltf, size_t i)
+{
+    const Json *json = gltf_item(gltf_member(root, "materials"), i);
+    const Json *old = gltf_member(gltf_member(json, "extensions"),
+                                  "KHR_materials_pbrSpecularGlossiness");
+    const Json *texture = old != NULL ? gltf_member(old, "diffuseTexture")
+                                      : gltf_member(gltf_member(json, "pbrMetallicRoughness"),
+                                                    "baseColorTexture");
+
+    text_add(out, "%s{\"name\":\"m%zu\"", i > 0 ? "," : "", i);
+    char *text = gltf->image[i] && !error_is_set(out->err) ? gltf_text(texture) : NULL;
+    if (text != NULL) {
+        text_add(out, ",\"pbrMetallicRoughness\":{\"baseColorTexture\":");
+        bytes_add(out, text, strlen(text));
+        text_add(out, "}");
+        gltf_text_free(text);
+    }
     text_add(out, "}");
 }
 
@@ -110,7 +139,7 @@ static void meshes_add(const GltfContext *c, TextOut *out, const Json *root, con
     }
     text_add(out, "],\"materials\":[");
     for (size_t i = 0; i < gltf->material_count; i++)
-        text_add(out, "%s{\"name\":\"m%zu\"}", i > 0 ? "," : "", i);
+        material_add(out, root, gltf, i);
     text_add(out, "]");
 }
 
@@ -119,9 +148,13 @@ bool gltf_reduce(const GltfContext *c, const Json *root, Gltf *gltf)
     assert(c != NULL && root != NULL && gltf != NULL);
     TextOut out = { .err = c->err };
 
-    text_add(&out, "{\"asset\":{\"version\":\"2.0\"}");
+    text_add(&out, "{\"asset\":{\"version\":\"2.0\"},"
+              "\"extensionsUsed\":[\"KHR_texture_transform\"]");
     nodes_add(&out, gltf);
     meshes_add(c, &out, root, gltf);
+    member_copy(&out, root, "textures");
+    member_copy(&out, root, "images");
+    member_copy(&out, root, "samplers");
     member_copy(&out, root, "accessors");
     member_copy(&out, root, "bufferViews");
     member_copy(&out, root, "buffers");

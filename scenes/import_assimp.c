@@ -16,6 +16,7 @@
 #include <strings.h>
 
 #include "base/array.h"
+#include "scenes/child_images.h"
 #include "scenes/import.h"
 #include "scenes/import_prepare.h"
 #include "scenes/import_quirks.h"
@@ -32,6 +33,8 @@ typedef struct {
     uint32_t             *material;      /* [mNumMaterials]  number in the pipe */
     uint64_t              loose;         /* points and lines */
     uint64_t              faces;         /* the rest */
+    ImagePlace           *place;         /* [mNumMaterials] */
+    ChildImages           images;
     bool                 *shown;         /* [mNumMeshes]  in a node */
 } Import;
 
@@ -56,8 +59,7 @@ static size_t stream_read(struct aiFile *file, char *to, size_t size, size_t cou
 
 static size_t stream_write(struct aiFile *file, const char *from, size_t size, size_t count)
 {
-    (void)file, (void)from, (void)size, (void)count;
-    return 0;
+    return (void)file, (void)from, (void)size, (void)count, (size_t)0;
 }
 
 static size_t stream_tell(struct aiFile *file) { return ((Stream *)(void *)file->UserData)->at; }
@@ -73,7 +75,6 @@ static enum aiReturn stream_seek(struct aiFile *file, size_t offset, enum aiOrig
     Stream *s = (Stream *)(void *)file->UserData;
     const size_t size = stream_size(file);
     const size_t from = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? s->at : size;
-
     if (offset > size - from)
         return aiReturn_FAILURE;
     s->at = from + offset;
@@ -81,7 +82,6 @@ static enum aiReturn stream_seek(struct aiFile *file, size_t offset, enum aiOrig
 }
 
 static void stream_flush(struct aiFile *file) { (void)file; }
-
 static struct aiFile *stream_open(struct aiFileIO *io, const char *path, const char *mode)
 {
     ImportFiles *files = (ImportFiles *)(void *)io->UserData;
@@ -117,7 +117,6 @@ static void stream_close(struct aiFileIO *io, struct aiFile *file)
 static Rgb color_get(const struct aiMaterial *m, const char *key, Rgb fallback)
 {
     struct aiColor4D c;
-
     if (aiGetMaterialColor(m, key, 0, 0, &c) != aiReturn_SUCCESS)
         return fallback;
     return rgb((double)c.r, (double)c.g, (double)c.b);
@@ -176,16 +175,63 @@ static void material_send(Import *import, const struct aiMaterial *from)
     pipe_put_material(import->out, &m);
 }
 
-/* The materials of the file; assimp's own stand-ins for none, unnamed in PLY, stay out. */
+/* An image in the file itself, "*0" or by its name; NULL: it is elsewhere. */
+static const void *image_inside(const struct aiScene *scene, const char *name, size_t *size)
+{
+    for (unsigned i = 0; i < scene->mNumTextures; i++) {
+        const struct aiTexture *t = scene->mTextures[i];
+        *size = t->mWidth; /* with a height: pixels, which no format in use here has */
+        if ((name[0] == '*' ? (unsigned)atoi(name + 1) == i
+                            : strcmp(name, t->mFilename.data) == 0) && t->mHeight == 0)
+            return t->pcData;
+    }
+    return NULL;
+}
+
+/* The image of a material's diffuse colour. */
+static void texture_send(Import *import, unsigned i)
+{
+    const struct aiMaterial *m = import->scene->mMaterials[i];
+    const enum aiTextureType type = aiGetMaterialTextureCount(m, aiTextureType_DIFFUSE) > 0
+                                    ? aiTextureType_DIFFUSE : aiTextureType_BASE_COLOR;
+    enum aiTextureMapMode mode[2] = { aiTextureMapMode_Wrap, aiTextureMapMode_Wrap };
+    struct aiUVTransform map = { .mScaling = { 1, 1 } };
+    struct aiString name;
+    unsigned set = 0;
+    size_t size = 0;
+
+    if (import->material[i] == PIPE_NO_MATERIAL ||
+        aiGetMaterialTexture(m, type, 0, &name, NULL, &set, NULL, NULL, mode, NULL) !=
+            aiReturn_SUCCESS)
+        return;
+    const void *bytes = image_inside(import->scene, name.data, &size);
+    const uint32_t image = child_image_send(&import->images, name.data, bytes, size);
+    if (image == UINT32_MAX)
+        return;
+    (void)aiGetMaterialUVTransform(m, AI_MATKEY_UVTRANSFORM(type, 0), &map);
+    import->place[i] = (ImagePlace){ set + 1, { (double)map.mScaling.x, (double)map.mScaling.y },
+                                     { (double)map.mTranslation.x, (double)map.mTranslation.y },
+                                     (double)map.mRotation };
+    child_image_use(&import->images, import->material[i], image,
+                    mode[0] == aiTextureMapMode_Clamp ? WRAP_CLAMP :
+                    mode[0] == aiTextureMapMode_Mirror ? WRAP_MIRROR : WRAP_REPEAT,
+                    import->known.gltf == NULL ||
+                    import->known.gltf->material[import->material[i]].cut_out);
+}
+
+/* The materials of the file; assimp's own stand-ins for none stay out. */
 static bool materials_send(Import *import)
 {
     const struct aiScene *scene = import->scene;
     uint32_t sent = 0;
-    bool textured = false;
 
     import->material = array_create(scene->mNumMaterials, sizeof *import->material, "materials",
                                     import->err);
-    if (import->material == NULL)
+    import->place = array_create(scene->mNumMaterials, sizeof *import->place, "images",
+                                 import->err);
+    import->images = (ChildImages){ .path = import->path, .out = import->out,
+                                    .files = &import->files, .err = import->err };
+    if (error_is_set(import->err))
         return false;
     for (unsigned i = 0; i < scene->mNumMaterials; i++) {
         const struct aiMaterial *m = scene->mMaterials[i];
@@ -200,13 +246,9 @@ static bool materials_send(Import *import)
         } else if (name.length > 0 && strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) != 0) {
             material_send(import, m);
             import->material[i] = sent++;
-            textured = textured || aiGetMaterialTextureCount(m, aiTextureType_DIFFUSE) > 0 ||
-                       aiGetMaterialTextureCount(m, aiTextureType_EMISSIVE) > 0;
         }
+        texture_send(import, i);
     }
-    if (textured)
-        pipe_put_warning(import->out, "textures-ignored", import->path,
-                         "images are not read: materials have one colour each");
     return true;
 }
 
@@ -262,6 +304,14 @@ static void faces_send(const Import *import, const struct aiMesh *mesh, bool mir
     }
 }
 
+/* Where the vertices are in the image of the mesh's material; NULL: it has none. */
+static const struct aiVector3D *places_of(const Import *import, const struct aiMesh *mesh)
+{
+    const unsigned m = mesh->mMaterialIndex;
+    const unsigned set = m < import->scene->mNumMaterials ? import->place[m].set : 0;
+    return set > 0 && set <= AI_MAX_NUMBER_OF_TEXTURECOORDS ? mesh->mTextureCoords[set - 1] : NULL;
+}
+
 static bool mesh_send(Import *import, const struct aiMesh *mesh, const Affine *world,
                       const char *group)
 {
@@ -284,11 +334,16 @@ static bool mesh_send(Import *import, const struct aiMesh *mesh, const Affine *w
                               ? import->material[mesh->mMaterialIndex] : PIPE_NO_MATERIAL);
     pipe_put_u32(import->out, mesh->mNumVertices);
     pipe_put_u32(import->out, faces);
+    const struct aiVector3D *places = places_of(import, mesh);
+    pipe_put_u32(import->out, places != NULL);
     for (unsigned i = 0; i < mesh->mNumVertices; i++) {
         const struct aiVector3D p = mesh->mVertices[i];
         pipe_put_vec3(import->out,
                       affine_point(world, vec3((double)p.x, (double)p.y, (double)p.z)));
     }
+    for (unsigned i = 0; places != NULL && i < mesh->mNumVertices; i++)
+        child_place_send(import->out, &import->place[mesh->mMaterialIndex], (double)places[i].x,
+                         (double)places[i].y);
     faces_send(import, mesh, affine_determinant(world) < 0);
     return !import->out->broken;
 }
@@ -430,7 +485,6 @@ static double root_scale(const Import *import)
 {
     const struct aiNode *node = import->scene->mRootNode;
     const Affine root = node != NULL ? affine_get(&node->mTransformation) : affine_identity();
-
     return cbrt(fabs(affine_determinant(&root)));
 }
 
@@ -444,22 +498,6 @@ static double light_fall(const Import *import, const struct aiLight *from)
         !isfinite(from->mAttenuationQuadratic))
         return 1;
     return (double)from->mAttenuationQuadratic / (unit * unit);
-}
-
-/* assimp's cone angles are whole ones; in 3DS it adds the inner one to the outer, in COLLADA it
- * puts one more round the only one there is. */
-static void spot_shape(const Import *import, const struct aiLight *from, Light *light)
-{
-    const double inner = (double)from->mAngleInnerCone;
-    double outer = (double)from->mAngleOuterCone;
-
-    if (import->known.format == FORMAT_3DS)
-        outer -= inner;
-    else if (import->known.format == FORMAT_COLLADA && !import->known.cones)
-        outer = inner;
-    light->kind = LIGHT_SPOT;
-    light->cos_outer = cos(fmin(fabs(outer) / 2, M_PI / 2));
-    light->cos_inner = fmax(cos(fmin(fabs(inner) / 2, M_PI / 2)), light->cos_outer);
 }
 
 static void light_send(Import *import, const struct aiLight *from)
@@ -485,7 +523,9 @@ static void light_send(Import *import, const struct aiLight *from)
         return;
     }
     if (from->mType == aiLightSource_SPOT)
-        spot_shape(import, from, &light);
+        spot_cones(&light, import->known.format == FORMAT_3DS,
+                   import->known.format == FORMAT_COLLADA && !import->known.cones,
+                   (double)from->mAngleInnerCone, (double)from->mAngleOuterCone);
     pipe_put_warning(import->out, "light-units", light.name,
                      "this format gives lights no unit: the intensity is taken as candela");
     pipe_put_light(import->out, &light);

@@ -13,7 +13,7 @@
 #include "scenes/import.h"
 #include "scenes/texture_read.h"
 
-/* --- the line: [-option values ...] file -------------------------------------------------------- */
+/* --- the line: [-option values ...] file ------------------------------------------------------ */
 
 /* Numbers that may follow an option, as far as there are any. */
 static void option_numbers(const TextFile *text, const char **line, double *value, int most)
@@ -58,6 +58,7 @@ static bool option_read(const TextFile *text, const char **line, MapImage *image
 bool map_image_read(const TextFile *text, const char *line, MapImage *image, Error *err)
 {
     char name[1024];
+    assert(line != NULL && image != NULL);
     array_free(image->file);
     *image = (MapImage){ .scale = { 1, 1 } };
     while (option_read(text, &line, image)) { }
@@ -113,8 +114,8 @@ static bool image_open(ImportTarget *target, const MaterialImages *images, const
         if (damaged.code != ERROR_INPUT)
             *err = damaged;
         else
-            monitor_warn(monitor, "image-unreadable", images->path, "%s; its material has one colour",
-                         damaged.text);
+            monitor_warn(monitor, "image-unreadable", images->path,
+                         "%s; its material has one colour", damaged.text);
         return false;
     }
     texture->wrap = image->clamp ? WRAP_CLAMP : WRAP_REPEAT;
@@ -128,6 +129,7 @@ static uint32_t image_number(ImportTarget *target, const MaterialImages *images,
 {
     Textures *all = &target->scene->textures;
     Texture   texture;
+    assert(image->file != NULL && images->path != NULL);
     char      path[PATH_MAX];
     uint32_t  index = UINT32_MAX;
     const TextureWrap wrap = image->clamp ? WRAP_CLAMP : WRAP_REPEAT;

@@ -185,3 +185,14 @@ uint64_t off_faces(const char *text)
     c = off_skip(end);
     return *c >= '0' && *c <= '9' ? strtoull(c, &end, 10) : 0;
 }
+
+void spot_cones(Light *light, bool added, bool single, double inner, double outer)
+{
+    if (added)
+        outer -= inner;
+    else if (single)
+        outer = inner;
+    light->kind = LIGHT_SPOT;
+    light->cos_outer = cos(fmin(fabs(outer) / 2, M_PI / 2));
+    light->cos_inner = fmax(cos(fmin(fabs(inner) / 2, M_PI / 2)), light->cos_outer);
+}

@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include "base/error.h"
+#include "math/light.h"
 #include "math/vec3.h"
 
 /* Makes cameras of a COLLADA text mean what they say, in place, without moving a byte: assimp does
@@ -36,5 +37,9 @@ bool stl_is_cut(const char *text, size_t size);
 /* Faces that an OFF text promises, 0 when it is not known; assimp takes what there is. A 0 byte
  * ends the text. */
 uint64_t off_faces(const char *text);
+
+/* A spot's cones from assimp's angles, which are whole ones. added: the inner one is in the outer
+ * (3DS); single: there is only the inner one, and assimp put another round it (COLLADA). */
+void spot_cones(Light *light, bool added, bool single, double inner, double outer);
 
 #endif

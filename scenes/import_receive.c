@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "scenes/import.h"
 #include "scenes/import_child.h"
+#include "scenes/texture_read.h"
 
 static const double   default_seconds = 120;
 static const uint64_t default_memory = (uint64_t)8 << 30;
@@ -20,6 +21,13 @@ typedef struct {
     PipeReader    in;
     uint32_t     *material;      /* [material_count]  the child's number -> the soup's */
     size_t        material_count, material_capacity;
+    uint32_t     *texture;       /* [texture_count]  likewise, 1 + the scene's; 0: not wanted */
+    size_t        texture_count, texture_capacity;
+    double      (*uv)[2];        /* of the vertices of the current part; unused without */
+    size_t        uv_capacity;
+    double      (*corner_uv)[2]; /* of the current face */
+    size_t        corner_uv_capacity;
+    bool          mapped;
     uint32_t     *size;          /* corners of each face of the current part */
     size_t        size_capacity;
     uint32_t     *corner;        /* of the current face */
@@ -52,6 +60,69 @@ static bool material_take(Receiver *r, Error *err)
         return false;
     r->material[r->material_count++] = index;
     return true;
+}
+
+/* Whether the target has room for images: a scene of its own, whose materials are kept. */
+static bool wants_images(const ImportTarget *target)
+{
+    return target->scene != NULL && target->soup == &target->scene->polygons && !target->replace;
+}
+
+static bool image_texture_take(Receiver *r, Error *err)
+{
+    Texture  texture;
+    uint32_t index = 0;
+
+    if (!texture_take(&r->in, &texture, err))
+        return false;
+    if (!array_reserve((void **)&r->texture, &r->texture_capacity, r->texture_count + 1,
+                       sizeof *r->texture, "textures", err)) {
+        texture_clear(&texture);
+        return false;
+    }
+    if (!wants_images(r->target)) {
+        texture_clear(&texture);
+    } else if (textures_add(&r->target->scene->textures, &texture, &index, err)) {
+        index++;
+    } else {
+        return false;
+    }
+    r->texture[r->texture_count++] = index;
+    return true;
+}
+
+static bool image_take(Receiver *r)
+{
+    const uint32_t material = pipe_get_u32(&r->in), image = pipe_get_u32(&r->in);
+    const uint32_t wrap = pipe_get_u32(&r->in), cut = pipe_get_u32(&r->in);
+
+    if (r->in.state != PIPE_GOOD)
+        return false;
+    if (material >= r->material_count || image >= r->texture_count || wrap > WRAP_MIRROR)
+        return pipe_nonsense(&r->in);
+    if (r->texture[image] == 0)
+        return true;
+    Texture  *texture = &r->target->scene->textures.texture[r->texture[image] - 1];
+    Material *m = &r->target->soup->materials[r->material[material]];
+    texture->wrap = (TextureWrap)wrap;
+    m->texture = r->texture[image];
+    m->cut_out = cut != 0 && texture->clear;
+    return true;
+}
+
+/* What is no number counts as 0: an image may be wrong, light is not. */
+static bool uv_take(Receiver *r, uint32_t count, Error *err)
+{
+    for (uint32_t done = 0; done < count; done++) {
+        if (!array_reserve((void **)&r->uv, &r->uv_capacity, (size_t)done + 1, sizeof *r->uv,
+                           "places in images", err))
+            return false;
+        for (int k = 0; k < 2; k++) {
+            const double v = pipe_get_double(&r->in);
+            r->uv[done][k] = isfinite(v) ? v : 0;
+        }
+    }
+    return r->in.state == PIPE_GOOD;
 }
 
 static bool vertices_take(Receiver *r, const char *group, uint32_t count, uint32_t *base,
@@ -108,7 +179,16 @@ static bool face_take(Receiver *r, uint32_t size, uint32_t base, uint32_t vertic
         if (corner >= vertices)
             return pipe_nonsense(&r->in);
         r->corner[i] = base + corner;
+        if (!r->mapped)
+            continue;
+        if (!array_reserve((void **)&r->corner_uv, &r->corner_uv_capacity, (size_t)i + 1,
+                           sizeof *r->corner_uv, "corners of a face", err))
+            return false;
+        memcpy(r->corner_uv[i], r->uv[corner], sizeof r->uv[corner]);
     }
+    if (r->mapped && wants_images(r->target))
+        return import_add_mapped(r->target, r->corner, (const double (*)[2])r->corner_uv, size,
+                                 material, group, err);
     return import_add_face(r->target, r->corner, size, material, group, err);
 }
 
@@ -120,6 +200,7 @@ static bool part_take(Receiver *r, Error *err)
     const uint32_t given = pipe_get_u32(&r->in);
     const uint32_t vertices = pipe_get_u32(&r->in);
     const uint32_t faces = pipe_get_u32(&r->in);
+    const uint32_t mapped = pipe_get_u32(&r->in);
     uint32_t base = 0, group, material;
 
     if (r->in.state != PIPE_GOOD)
@@ -133,8 +214,10 @@ static bool part_take(Receiver *r, Error *err)
         material = r->material[given];
     }
     if (!import_add_group(r->target, name, &group, err) ||
-        !vertices_take(r, name, vertices, &base, err) || !sizes_take(r, faces, err))
+        !vertices_take(r, name, vertices, &base, err) ||
+        (mapped != 0 && !uv_take(r, vertices, err)) || !sizes_take(r, faces, err))
         return false;
+    r->mapped = mapped != 0;
     for (uint32_t i = 0; i < faces; i++)
         if (!face_take(r, r->size[i], base, vertices, material, group, err))
             return false;
@@ -231,6 +314,8 @@ static bool record_take(Receiver *r, bool *complete, Error *err)
         return false;
     switch (kind) {
     case RECORD_MATERIAL: return material_take(r, err);
+    case RECORD_TEXTURE: return image_texture_take(r, err);
+    case RECORD_IMAGE: return image_take(r);
     case RECORD_PART: return part_take(r, err);
     case RECORD_LIGHT: return light_take(r, err);
     case RECORD_CAMERA: return camera_take(r, err);
@@ -286,5 +371,8 @@ bool import_from_child(ImportTarget *target, ImportWork work, Error *err)
     array_free(r.material);
     array_free(r.size);
     array_free(r.corner);
+    array_free(r.corner_uv);
+    array_free(r.uv);
+    array_free(r.texture);
     return !error_is_set(err);
 }

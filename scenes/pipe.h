@@ -22,7 +22,8 @@
 /* First byte of a record. */
 typedef enum {
     RECORD_MATERIAL = 'M', /* PipeMaterial fields */
-    RECORD_PART = 'P',     /* group name, material, vertices, faces */
+    RECORD_IMAGE = 'I',    /* material, number of the texture, wrap, whether it is cut out */
+    RECORD_PART = 'P',     /* group name, material, vertices, faces, whether with (u, v) */
     RECORD_LIGHT = 'L',
     RECORD_CAMERA = 'C',
     RECORD_UP = 'U',       /* the file's own up */

@@ -173,6 +173,7 @@ static Rgb colour_of(const double c[4], double *alpha)
 Rgb texture_at(const Texture *texture, double u, double v, double *alpha)
 {
     double c[4];
+    assert(texture->width > 0);
     look_up(texture, -1, u, v, c);
     return colour_of(c, alpha);
 }
@@ -182,6 +183,7 @@ Rgb texture_mean_at(const Texture *texture, double u, double v, double size, dou
     const double texels = size * fmax(texture->width, texture->height);
     const int    level = texels >= 2 ? (int)fmin(log2(fmin(texels, 1e9)), TEXTURE_LEVELS) - 1 : -1;
     double c[4];
+    assert(texture->levels <= TEXTURE_LEVELS);
     look_up(texture, level < texture->levels ? level : texture->levels - 1, u, v, c);
     return colour_of(c, alpha);
 }
@@ -237,6 +239,7 @@ bool face_map_fit(FaceMap *map, const Vec3 *p, const double (*uv)[2], size_t cou
 
 void face_map_move(FaceMap *map, Vec3 origin)
 {
+    assert(vec3_finite(origin));
     map->u0 += vec3_dot(map->du, origin);
     map->v0 += vec3_dot(map->dv, origin);
 }
@@ -245,6 +248,7 @@ void face_map_move(FaceMap *map, Vec3 origin)
 
 bool textures_add(Textures *textures, Texture *texture, uint32_t *index, Error *err)
 {
+    assert(texture->width > 0 && index != NULL);
     if (!array_reserve((void **)&textures->texture, &textures->capacity, textures->count + 1,
                        sizeof *texture, "textures", err)) {
         texture_clear(texture);
