@@ -9,8 +9,12 @@
 enum { PIXELS = REFINE_TILE * REFINE_TILE };
 enum { SEED_HALF = 400 };
 /* Samples of each half in the first round: four in all tell a shadow's rim from light, together
- * with those of the eight neighbours. */
-enum { FIRST = 2 };
+ * with those of the eight neighbours. The smaller the error, the less may be missed: an edge that
+ * covers a small share of a pixel. */
+static uint32_t first_samples(double error)
+{
+    return error < 0.005 ? 8 : error < 0.01 ? 4 : 2;
+}
 
 /* Most pixels end well below the limit at which they stop, so the mean over the picture stays below
  * the error asked for when the limit is above it. */
@@ -138,13 +142,14 @@ static void store_pixel(const Refine *r, uint32_t i)
 uint64_t refine_tile(Eye *eye, const RefineTile *tile, Image *image, const Monitor *monitor)
 {
     const uint32_t pixels = (uint32_t)((tile->x1 - tile->x0) * (tile->y1 - tile->y0));
+    const uint32_t first = first_samples(eye->options->error);
     Refine         r = { .eye = eye, .tile = tile, .image = image };
     assert(pixels > 0 && pixels <= PIXELS && image->deviation != NULL);
     for (uint32_t i = 0; i < pixels; i++)
         r.active[i] = true;
     do {
         for (uint32_t i = 0; i < pixels; i++) {
-            const uint32_t more = r.done[i] > 0 ? r.done[i] : FIRST;
+            const uint32_t more = r.done[i] > 0 ? r.done[i] : first;
             if (!r.active[i])
                 continue;
             add_samples(&r, i, 0, more);
