@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Requests and reports between window and solver. */
+#include "viewer/control.h"
+
+#include <assert.h>
+
+void control_init(Control *control)
+{
+    assert(control != NULL);
+    *control = (Control){ .report = { .doing = "reading", .done = -1, .unshot = -1,
+                                      .residual = -1, .left = -1 } };
+    pthread_mutex_init(&control->lock, NULL);
+}
+
+void control_clear(Control *control) { pthread_mutex_destroy(&control->lock); }
+
+void control_report(Control *control, const Report *report)
+{
+    pthread_mutex_lock(&control->lock);
+    control->report = *report;
+    pthread_mutex_unlock(&control->lock);
+}
+
+void control_read(Control *control, Report *report)
+{
+    pthread_mutex_lock(&control->lock);
+    *report = control->report;
+    pthread_mutex_unlock(&control->lock);
+}

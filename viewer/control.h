@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* viewer/control.h -- what the window asks of the solver, and what the solver says of itself.
+ *
+ * Threads  requests are atomics that either side reads and writes; the report is copied under a
+ *          lock that is held for the copy alone.
+ */
+#ifndef VIEWER_CONTROL_H
+#define VIEWER_CONTROL_H
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct {
+    const char *doing;      /* "reading", "shooting", ...; static */
+    double      done;       /* share of that, 0..1; < 0: not known */
+    double      unshot;     /* share of the power not yet passed on; < 0: not known */
+    double      residual;   /* < 0: not known */
+    double      seconds;    /* since the beginning */
+    double      left;       /* seconds to go, estimated; < 0: not known */
+    uint64_t    rays, memory; /* cast so far; bytes */
+    double      rays_per_second;
+    uint32_t    patches, steps;
+} Report;
+
+typedef struct {
+    atomic_bool quit, restart, reload, paused;
+    atomic_uint steps;      /* to do while it is paused */
+    atomic_int  solver;     /* Solver */
+    _Atomic double tolerance;
+    atomic_bool failed;     /* the solver's thread has ended with an error: close */
+    atomic_bool finished;   /* nothing is left to do */
+    pthread_mutex_t lock;
+    Report      report;     /* under the lock */
+} Control;
+
+void control_init(Control *control);
+void control_clear(Control *control);
+void control_report(Control *control, const Report *report);
+void control_read(Control *control, Report *report);
+
+#endif
