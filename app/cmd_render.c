@@ -137,6 +137,7 @@ static bool write_picture(Pipeline *pipeline, const Image *image, const Names *n
         .scene = options->scene,
         .command = command,
         .scene_hash = pipeline->scene->hash,
+        .threads = pipeline->session->settings.threads,
     };
     const bool written =
         image_write_exr(image, &info, names->exr, err) &&

@@ -45,6 +45,7 @@ typedef struct {
     const char *units;          /* "photometric" or "radiometric" */
     const char *version, *scene, *command;
     uint64_t    scene_hash;
+    unsigned    threads;        /* that may pack it; 0: as many as there are cores */
 } ImageInfo;
 
 /* OpenEXR, 32-bit float, ZIP: channels R G B; direct.R ...; indirect.R ...; albedo.R ...;
