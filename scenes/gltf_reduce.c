@@ -82,12 +82,12 @@ static void primitive_add(const GltfContext *c, TextOut *out, const Gltf *gltf,
                                        many);
 
     text_add(out, "{\"attributes\":{\"POSITION\":%zu", position);
-    for (int set = 0; set < 2; set++) {
-        char key[16];
-        snprintf(key, sizeof key, "TEXCOORD_%d", set);
-        const size_t at = gltf_index(c, gltf_member(primitive, "attributes"), where, key, many);
+    static const char *const sets[] = { "TEXCOORD_0", "TEXCOORD_1" };
+    for (size_t k = 0; k < sizeof sets / sizeof *sets; k++) {
+        const size_t at = gltf_index(c, gltf_member(primitive, "attributes"), where, sets[k],
+                                     many);
         if (at != SIZE_MAX && material != SIZE_MAX && gltf->image[material])
-            text_add(out, ",\"%s\":%zu", key, at);
+            text_add(out, ",\"%s\":%zu", sets[k], at);
     }
     text_add(out, "}");
     if (indices != SIZE_MAX)

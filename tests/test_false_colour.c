@@ -77,12 +77,12 @@ static void legend_values_are_round(void **state)
         int         count;
         double      first, second, last;
     } cases[] = {
-        { { 0, 1000, false, false }, 6, 0, 200, 1000 },
-        { { 0, 15, false, false }, 8, 0, 2, 14 },
-        { { 0, 0.3, false, false }, 7, 0, 0.05, 0.3 },
-        { { -1, 1, false, false }, 5, -1, -0.5, 1 },
-        { { 10, 1000, true, false }, 7, 10, 20, 1000 },
-        { { 0.001, 1e6, true, false }, 5, 0.001, 0.1, 1e5 },
+        { { .low = 0, .high = 1000 }, 6, 0, 200, 1000 },
+        { { .low = 0, .high = 15 }, 8, 0, 2, 14 },
+        { { .low = 0, .high = 0.3 }, 7, 0, 0.05, 0.3 },
+        { { .low = -1, .high = 1 }, 5, -1, -0.5, 1 },
+        { { .low = 10, .high = 1000, .logarithmic = true }, 7, 10, 20, 1000 },
+        { { .low = 0.001, .high = 1e6, .logarithmic = true }, 5, 0.001, 0.1, 1e5 },
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         double ticks[9];
