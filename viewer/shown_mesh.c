@@ -131,6 +131,14 @@ static bool copy_names(const Scene *scene, ShownMesh *mesh, Error *err)
     return !error_is_set(err);
 }
 
+static bool copy_lights(const Scene *scene, ShownMesh *mesh, Error *err)
+{
+    mesh->light = array_create(scene->light_count, sizeof *mesh->light, "lights", err);
+    for (; mesh->light != NULL && mesh->light_count < scene->light_count; mesh->light_count++)
+        mesh->light[mesh->light_count] = scene->lights[mesh->light_count];
+    return mesh->light != NULL;
+}
+
 static bool copy_cameras(const Scene *scene, const Camera *camera, ShownMesh *mesh, Error *err)
 {
     mesh->camera = array_create(scene->camera_count + 1, sizeof *mesh->camera, "cameras", err);
@@ -152,7 +160,7 @@ ShownMesh *shown_mesh_create(const Scene *scene, const Patches *patches, const u
     atomic_init(&mesh->references, 1);
     count_parts(patches, mesh);
     if (!take_room(mesh, err) || !copy_names(scene, mesh, err) ||
-        !copy_cameras(scene, camera, mesh, err))
+        !copy_cameras(scene, camera, mesh, err) || !copy_lights(scene, mesh, err))
         return shown_mesh_leave(mesh);
     fill_faces(patches, mesh);
     fill_patches(scene, patches, emitting, mesh);
@@ -181,6 +189,7 @@ ShownMesh *shown_mesh_leave(ShownMesh *mesh)
     array_free(mesh->mean_of);
     bvh_destroy(mesh->bvh);
     array_free(mesh->camera);
+    array_free(mesh->light);
     for (uint32_t i = 0; i < mesh->group_count; i++)
         array_free(mesh->group_name[i]);
     for (uint32_t i = 0; i < mesh->material_count; i++)

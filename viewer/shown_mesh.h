@@ -40,6 +40,8 @@ typedef struct {
     Vec3        lo, hi;         /* bounds */
     Camera     *camera;         /* [camera_count]  the first is shown at the beginning */
     uint32_t    camera_count;
+    Light      *light;          /* [light_count]  point and spot lights */
+    uint32_t    light_count;
     Vec3        up;
     char      **group_name, **material_name; /* [..count] */
     uint32_t    group_count, material_count;
