@@ -56,6 +56,10 @@ static void say_scene(const Check *check)
     check_say(check, "isolux: %s", scene->file);
     check_say(check, "  polygons    %zu with %zu vertices; %zu curved faces", soup->polygon_count,
               soup->vertex_count, soup->shape_count);
+    if (scene->placement_count > 0)
+        check_say(check, "  placed      %zu times one of %zu meshes, not looked into: %.6g "
+                  "triangles in all", scene->placement_count, scene->prototype_count,
+                  (double)scene_triangles(scene));
     check_say(check, "  groups      %zu", soup->group_count);
     check_say(check, "  materials   %zu, %zu of them emit", soup->material_count, emitters);
     check_say(check, "  lights      %zu", scene->light_count);

@@ -80,6 +80,8 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       "all (default), none, or a list; all,-winding leaves one out" },
     { OPTION_WELD, "--weld", "L", READING, KIND_NUMBER, FIELD(weld), 0, BIG, NULL,
       "corners nearer than this are one (default: from the scene's rounding)" },
+    { OPTION_INSTANCES, "--instances", "HOW", READING, KIND_CHOICE, FIELD(instances), 0, 0,
+      "auto,flatten,keep", "meshes placed often: auto keeps references beyond 4 million faces" },
     { OPTION_RAYS, "--rays", "N", LINKING, KIND_COUNT, FIELD(rays), 1, 1 << 24, NULL,
       "hemisphere rays per patch" },
     { OPTION_LAMP_RAYS, "--lamp-rays", "N", LINKING, KIND_COUNT, FIELD(lamp_rays), 1, 1 << 24,

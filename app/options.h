@@ -36,6 +36,7 @@ typedef enum { RENDERER_GATHER, RENDERER_PATH, RENDERER_WHITTED } Renderer;
 typedef enum { EXCHANGE_NONE, EXCHANGE_GEBHART, EXCHANGE_HOTTEL, EXCHANGE_FLUX } ExchangeTable;
 typedef enum { STORAGE_32, STORAGE_16 } StorageBits;
 typedef enum { UNITS_PHOTOMETRIC, UNITS_RADIOMETRIC } Units;
+typedef enum { KEEP_AUTO, KEEP_FLAT, KEEP_REFERENCES } InstancesChoice;
 typedef enum { USE_AUTO, USE_FRONT, USE_BOTH } UseSides;
 /* The order of the words of --repair. */
 typedef enum {
@@ -66,6 +67,7 @@ typedef enum {
     OPTION_LEAST_SIZE,
     OPTION_REPAIR,
     OPTION_WELD,
+    OPTION_INSTANCES,
     OPTION_RAYS,
     OPTION_LAMP_RAYS,
     OPTION_ACCURACY,
@@ -150,6 +152,7 @@ typedef struct Options {
     const char *errors;      /* file of standard errors */
     int         quality, progress, closure, storage, solver, by, exchange, emit, sides, units;
     int         light;
+    int         instances;   /* InstancesChoice */
     int         tone;        /* ToneCurve */
     int         false_colour; /* FilmQuantity */
     int         projection;  /* Projection */

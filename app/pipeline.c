@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "app/pipeline_adapt.h"
+#include "app/pipeline_copies.h"
 #include "app/pipeline_relight.h"
 #include "app/pipeline_stochastic.h"
 #include "app/pipeline_groups.h"
@@ -99,8 +100,12 @@ bool pipeline_read(Pipeline *pipeline, Error *err)
     Session *session = pipeline->session;
     const double begin = progress_now();
     pipeline_begin(pipeline, STAGE_READ);
-    pipeline->scene = scene_read(session->options.scene,
-                                 &(SceneReadOptions){ .monitor = &session->monitor }, err);
+    static const SceneInstances kept[] = { [KEEP_AUTO] = INSTANCES_AUTO,
+                                           [KEEP_FLAT] = INSTANCES_FLATTEN,
+                                           [KEEP_REFERENCES] = INSTANCES_KEEP };
+    const SceneReadOptions so = { .monitor = &session->monitor,
+                                  .instances = kept[session->options.instances] };
+    pipeline->scene = scene_read(session->options.scene, &so, err);
     if (pipeline->scene != NULL) {
         assert(scene_check(pipeline->scene));
         scale_lights(pipeline->scene, session->options.unit_m);
@@ -186,8 +191,8 @@ bool pipeline_mesh(Pipeline *pipeline, Error *err)
 {
     assert(pipeline->scene != NULL);
     const bool last = scene_has_light(pipeline->scene) || pipeline->session->options.light == 0;
-    if (!build_surfaces(pipeline, last, err) || !build_bvh(pipeline, err)
-        || !add_light(pipeline, err))
+    if (!pipeline_copies_allowed(pipeline, err) || !build_surfaces(pipeline, last, err)
+        || !build_bvh(pipeline, err) || !add_light(pipeline, err))
         return false;
     session_release(pipeline->session);
     return pipeline_fits(pipeline, 0, pipeline->session->options.scene, err);

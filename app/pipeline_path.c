@@ -5,6 +5,7 @@
 #include <assert.h>
 #include <math.h>
 
+#include "app/pipeline_copies.h"
 #include "render/whitted.h"
 
 bool pipeline_path_allowed(const Options *options, Error *err)
@@ -65,6 +66,9 @@ Image *pipeline_path(Pipeline *pipeline, Error *err)
     pipeline_room(pipeline);
     if (session->options.renderer == RENDERER_WHITTED)
         return whitted(pipeline, err);
+    RoomCopies *copies = pipeline_copies(pipeline, err);
+    if (error_is_set(err))
+        return NULL;
     const double begin = progress_now();
     const double *crop = session->options.crop;
     const PathOptions po = { .width = pipeline->width, .height = pipeline->height,
@@ -72,11 +76,13 @@ Image *pipeline_path(Pipeline *pipeline, Error *err)
                              .error = settings->accuracy,
                              .diffuse_only = session->options.diffuse,
                              .background = pipeline->scene->background,
+                             .copies = copies,
                              .filter = (PixelFilter)session->options.pixel_filter,
                              .crop = { (int)crop[0], (int)crop[1], (int)crop[2], (int)crop[3] },
                              .seed = settings->seed, .threads = settings->threads };
     Image *image = render_path(&pipeline->room, &pipeline->camera, &po, &pipeline->path,
                                &session->monitor, err);
+    copies_destroy(copies);
     pipeline->render.rays = pipeline->path.rays;
     pipeline->render.seconds = pipeline->path.seconds;
     if (settings->accuracy > 0) /* of the picture, not of patches */

@@ -24,6 +24,8 @@ static void put_scene(Json *json, const Pipeline *pipeline)
     json_open(json, "scene", '{');
     json_text(json, "file", scene->file);
     json_count(json, "triangles", triangles);
+    json_count(json, "placed_meshes", scene->placement_count);
+    json_count(json, "triangles_in_all", scene_triangles(scene));
     json_count(json, "polygons", soup->polygon_count);
     json_count(json, "shapes", soup->shape_count);
     json_count(json, "groups", soup->group_count);
@@ -502,6 +504,10 @@ void summary_print(const Pipeline *pipeline)
     }
     if (pipeline->solution != NULL)
         print_light(pipeline);
+    if (pipeline->scene->placement_count > 0)
+        session_say(session, "  placed   %zu times one of %zu meshes: %.6g triangles in all",
+                    pipeline->scene->placement_count, pipeline->scene->prototype_count,
+                    (double)scene_triangles(pipeline->scene));
     if (session->options.renderer == RENDERER_WHITTED && pipeline->width > 0)
         session_say(session, "  frame    %.1f ms, %.1f ms with reading, tree and sides",
                     1e3 * pipeline->render.seconds,

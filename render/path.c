@@ -37,6 +37,7 @@ typedef struct {
     Image      *image;
     Pixel      *pixel;     /* [width * height] */
     PathWave  **wave;      /* [threads] */
+    Error      *failed;    /* [threads] */
     uint64_t   *rays;      /* [tiles] */
     FilterTable filter;
     uint32_t    tiles_x, tiles;
@@ -68,16 +69,15 @@ static bool eye_ray(const CameraRays *camera, double x, double y, const float *l
 /* What the pixel's centre shows first. */
 static void store_centre(const Picture *picture, int x, int y)
 {
-    const Room  *room = picture->scene.room;
     Image       *image = picture->image;
     const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
     Ray          ray;
-    Hit          hit;
+    InstanceHit  found;
     RoomHit      where;
     if (!eye_ray(&picture->camera, x + 0.5, y + 0.5, NULL, &ray) ||
-        !bvh_nearest(room->bvh, &ray, &hit))
+        !path_nearest(&picture->scene, &ray, &found))
         return;
-    path_hit(room, &hit, vec3(ray.dx, ray.dy, ray.dz), &where);
+    const Room *room = path_place(&picture->scene, &found, vec3(ray.dx, ray.dy, ray.dz), &where);
     Material  scratch;
     const Rgb albedo = places_hit(room, &where, &scratch)->reflectance;
     image->normal[3 * at] = (float)where.normal.x;
@@ -122,7 +122,7 @@ static void add_batch(Pixel *pixel, const PathSum *sum, uint32_t count)
     pixel->squares += count * away * (mean - pixel->mean);
 }
 
-static void render_tile(const Picture *picture, PathWave *wave, uint32_t tile)
+static void render_tile(const Picture *picture, PathWave *wave, uint32_t tile, Error *err)
 {
     const int x0 = (int)(tile % picture->tiles_x) * TILE;
     const int y0 = (int)(tile / picture->tiles_x) * TILE;
@@ -137,7 +137,7 @@ static void render_tile(const Picture *picture, PathWave *wave, uint32_t tile)
         add_paths(picture, wave, x, y, (uint32_t)k);
     }
     assert(tile < picture->tiles);
-    picture->rays[tile] += path_wave_run(wave, &picture->scene, sum);
+    picture->rays[tile] += path_wave_run(wave, &picture->scene, sum, err);
     for (int k = 0; k < PATH_PIXELS; k++) {
         const int x = x0 + k % TILE, y = y0 + k / TILE;
         if (x < width && y < height)
@@ -150,7 +150,7 @@ static void render_tiles(void *context, uint32_t begin, uint32_t end, unsigned t
 {
     const Picture *picture = context;
     for (uint32_t tile = begin; tile < end; tile++)
-        render_tile(picture, picture->wave[thread], tile);
+        render_tile(picture, picture->wave[thread], tile, &picture->failed[thread]);
 }
 
 /* --- batches --------------------------------------------------------------------------------- */
@@ -212,6 +212,11 @@ static void render_batches(Picture *picture, Error *err)
             error_set(err, ERROR_STOPPED, "the picture was stopped before it was complete");
             return;
         }
+        for (unsigned i = 0; i < o->threads; i++)
+            if (error_is_set(&picture->failed[i])) {
+                *err = picture->failed[i];
+                return;
+            }
         picture->begin += picture->count;
         picture->batch++;
         picture->done = (double)picture->begin / o->samples;
@@ -278,6 +283,7 @@ static bool picture_prepare(Picture *picture, Error *err)
                                   sizeof *picture->pixel, "picture", err);
     picture->rays = array_create(picture->tiles, sizeof *picture->rays, "picture", err);
     picture->wave = array_create(o->threads, sizeof *picture->wave, "picture", err);
+    picture->failed = array_create(o->threads, sizeof *picture->failed, "picture", err);
     for (unsigned i = 0; i < o->threads && !error_is_set(err); i++)
         picture->wave[i] = path_wave_create(err);
     for (size_t i = 0; i < room->material_count; i++)
@@ -293,6 +299,7 @@ static void picture_clear(Picture *picture)
     for (unsigned i = 0; picture->wave != NULL && i < picture->options.threads; i++)
         path_wave_destroy(picture->wave[i]);
     array_free(picture->wave);
+    array_free(picture->failed);
     array_free(picture->rays);
     array_free(picture->pixel);
     array_free(picture->scene.smooth);
@@ -308,7 +315,10 @@ Image *render_path(const Room *room, const Camera *camera, const PathOptions *op
         return NULL;
     const double start = seconds_now();
     PathReport   unused;
-    Picture picture = { .scene = { .room = room }, .options = *options, .monitor = monitor };
+    Picture picture = { .scene = { .room = room, .copies = options->copies,
+                                   .offset = options->copies != NULL
+                                                 ? copies_offset(options->copies) : room->offset },
+                        .options = *options, .monitor = monitor };
     report = report != NULL ? report : &unused;
     *report = (PathReport){ 0 };
     picture.scene.options = &picture.options;

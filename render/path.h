@@ -19,6 +19,7 @@
 
 #include "base/monitor.h"
 #include "radiosity/room.h"
+#include "render/copies.h"
 #include "render/image.h"
 #include "scenes/scene.h"
 
@@ -30,6 +31,7 @@ typedef struct {
     Rgb      background;
     uint32_t seed;
     unsigned threads;
+    const RoomCopies *copies;  /* of the same room: what else stands in it; NULL: nothing */
     PixelFilter filter;
     int      crop[4];      /* left, top, right, bottom of the part to make; all 0: the whole */
 } PathOptions;

@@ -56,6 +56,7 @@ double path_lamps_density(const PathLamps *lamps, const PathPlace *from, const R
 /* --- path_surface.c: how light goes on at a surface ------------------------------------------ */
 
 typedef struct {
+    const Room     *room;     /* that the hit's surface is of: a mesh's, where copies stand */
     const Material *material; /* may be `made`: not to be copied */
     Material        made;     /* where an image makes it */
     RoomHit         hit;
@@ -80,8 +81,7 @@ typedef struct {
 } PathNext;
 
 /* u in [0,1)^3. false: the path ends. */
-bool path_surface_next(const PathSurface *surface, const Room *room, const float u[3],
-                       PathNext *next);
+bool path_surface_next(const PathSurface *surface, const float u[3], PathNext *next);
 
 /* Share of light that crosses the surface straight: 0 unless it is a clear pane. */
 Rgb path_surface_pane(const Room *room, const RoomHit *hit, Vec3 in);
@@ -101,6 +101,8 @@ typedef struct {
     const Room        *room;
     const PathOptions *options;
     PathLamps          lamps;
+    const RoomCopies      *copies;   /* or NULL */
+    double             offset;   /* of rays off surfaces */
     float             *smooth;   /* render/normals.h, or NULL */
     bool               panes;    /* some material is clear */
 } PathScene;
@@ -112,10 +114,17 @@ typedef struct PathWave PathWave;
 PathWave *path_wave_create(Error *err);
 PathWave *path_wave_destroy(PathWave *wave);
 
+/* The nearest hit of one ray. */
+bool path_nearest(const PathScene *scene, const Ray *ray, InstanceHit *found);
+/* Where that is, and the room it counts in. */
+const Room *path_place(const PathScene *scene, const InstanceHit *found, Vec3 direction,
+                       RoomHit *hit);
+
 /* Puts a path's first ray in; fewer than PATH_WAVE may be in. seed and index: of its points. */
 void path_wave_add(PathWave *wave, const Ray *ray, uint32_t pixel, uint32_t seed, uint32_t index);
 /* Traces all paths to their ends, adds them to sum[pixel] in a fixed order and empties the wave.
- * Returns the rays cast. */
-uint64_t path_wave_run(PathWave *wave, const PathScene *scene, PathSum *sum);
+ * Returns the rays cast.
+ * fails  ERROR_MEMORY: the wave is emptied, sums are not whole. */
+uint64_t path_wave_run(PathWave *wave, const PathScene *scene, PathSum *sum, Error *err);
 
 #endif

@@ -52,12 +52,12 @@ static bool is_lobe(const Material *material)
 
 /* Reflected share of what arrives at glass; *eta: index of what lies beyond over that here, 1 for a
  * pane. */
-static double glass_share(const PathSurface *surface, const Room *room, double *eta)
+static double glass_share(const PathSurface *surface, double *eta)
 {
     const Material *m = surface->material;
     const double    cosine = fmin(fmax(-vec3_dot(surface->in, surface->normal), 0), 1);
     *eta = 1;
-    if (!bends(room, &surface->hit, m))
+    if (!bends(surface->room, &surface->hit, m))
         return fresnel_pane(cosine, index_of(m));
     *eta = surface->hit.side == 1 ? 1 / index_of(m) : index_of(m);
     return fresnel(cosine, *eta);
@@ -70,8 +70,8 @@ void path_surface_init(PathSurface *surface, const Room *room, const float *smoo
     const Material *m = places_hit(room, hit, &scratch);
     double          eta;
     assert(m->ior >= 0 && rgb_max(m->reflectance) < 1);
-    *surface = (PathSurface){ .material = m, .hit = *hit, .normal = hit->normal, .in = in,
-                              .diffuse = rgb_max(m->reflectance) };
+    *surface = (PathSurface){ .room = room, .material = m, .hit = *hit, .normal = hit->normal,
+                              .in = in, .diffuse = rgb_max(m->reflectance) };
     if (m == &scratch) {
         surface->made = scratch;
         surface->material = m = &surface->made;
@@ -79,7 +79,7 @@ void path_surface_init(PathSurface *surface, const Room *room, const float *smoo
     if (!diffuse_only && specular_exists(m)) {
         surface->normal = normals_at(smooth, room, hit, in);
         if (rgb_max(m->transmittance) > 0) {
-            const double back = glass_share(surface, room, &eta);
+            const double back = glass_share(surface, &eta);
             surface->clear = back + (1 - back) * rgb_max(m->transmittance);
         } else {
             surface->gloss = rgb_max(m->specular);
@@ -124,11 +124,11 @@ static Vec3 lobe_way(Vec3 axis, double exponent, const float u[2])
 
 /* Glass: choice in [0,1) decides between its two ways. Radiance is not scaled by the square of the
  * index on its way in, nor back on its way out: for an eye and lamps outside it is the same. */
-static bool glass_next(const PathSurface *surface, const Room *room, double choice, PathNext *next)
+static bool glass_next(const PathSurface *surface, double choice, PathNext *next)
 {
     const Material *m = surface->material;
     double          eta;
-    const double    back = glass_share(surface, room, &eta);
+    const double    back = glass_share(surface, &eta);
     const double    through = (1 - back) * rgb_max(m->transmittance);
     assert(back + through > 0 && surface->clear > 0);
     const double    chance = back / (back + through);
@@ -139,7 +139,7 @@ static bool glass_next(const PathSurface *surface, const Room *room, double choi
     }
     *next = (PathNext){ .out = surface->in, .across = true, .straight = true };
     next->weight = rgb_scale(m->transmittance, (1 - back) / ((1 - chance) * surface->clear));
-    if (bends(room, &surface->hit, m)) {
+    if (bends(surface->room, &surface->hit, m)) {
         const double cosine = fmin(fmax(-vec3_dot(surface->in, surface->normal), 0), 1);
         const double square = 1 - (1 - cosine * cosine) / (eta * eta);
         Vec3 d = vec3_mad(vec3_scale(surface->in, 1 / eta),
@@ -152,8 +152,7 @@ static bool glass_next(const PathSurface *surface, const Room *room, double choi
     return rgb_max(next->weight) > 0;
 }
 
-bool path_surface_next(const PathSurface *surface, const Room *room, const float u[3],
-                       PathNext *next)
+bool path_surface_next(const PathSurface *surface, const float u[3], PathNext *next)
 {
     const Material *m = surface->material;
     assert(u[0] >= 0 && u[0] < 1 && u[1] < 1 && u[2] < 1);
@@ -161,7 +160,7 @@ bool path_surface_next(const PathSurface *surface, const Room *room, const float
     if (!(specular + surface->clear > 0))
         return false;
     if (u[2] >= specular && surface->clear > 0)
-        return glass_next(surface, room, fmin((u[2] - specular) / surface->clear, 1), next);
+        return glass_next(surface, fmin((u[2] - specular) / surface->clear, 1), next);
     *next = (PathNext){ .out = mirror_way(surface) };
     if (u[2] < surface->diffuse || !(surface->gloss > 0)) {
         const Vec3 w = sampling_cosine(u[0], u[1]);

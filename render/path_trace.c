@@ -38,6 +38,7 @@ struct PathWave {
     Path     path[PATH_WAVE];
     Ray      ray[PATH_WAVE];
     Hit      hit[PATH_WAVE];
+    InstanceHit met[PATH_WAVE];   /* the same where copies stand */
     Shadow   shadow[PATH_WAVE];
     Ray      shadow_ray[PATH_WAVE];
     bool     blocked[PATH_WAVE];
@@ -49,6 +50,23 @@ PathWave *path_wave_create(Error *err)
 }
 
 PathWave *path_wave_destroy(PathWave *wave) { return array_free(wave); }
+
+bool path_nearest(const PathScene *scene, const Ray *ray, InstanceHit *found)
+{
+    if (scene->copies != NULL)
+        return instances_nearest(copies_instances(scene->copies), ray, found);
+    found->instance = 0;
+    return bvh_nearest(scene->room->bvh, ray, &found->hit);
+}
+
+const Room *path_place(const PathScene *scene, const InstanceHit *found, Vec3 direction,
+                       RoomHit *hit)
+{
+    if (scene->copies != NULL)
+        return copies_hit(scene->copies, found, direction, hit);
+    path_hit(scene->room, &found->hit, direction, hit);
+    return scene->room;
+}
 
 void path_wave_add(PathWave *wave, const Ray *ray, uint32_t pixel, uint32_t seed, uint32_t index)
 {
@@ -74,16 +92,15 @@ static Shadow split(const Path *path, Rgb light, Rgb share, uint32_t turns)
 }
 
 /* Light of a lamp that the path ran into. */
-static void add_emission(const PathScene *scene, const Path *path, const RoomHit *hit,
-                         PathSum *sum)
+static void add_emission(const PathScene *scene, const Room *room, const Path *path,
+                         const RoomHit *hit, PathSum *sum)
 {
-    const Room *room = scene->room;
     if ((room->emitting[hit->surface] >> hit->side & 1) == 0)
         return;
     const Rgb emission = room->materials[surfaces_material(room->surfaces, hit->surface,
                                                            hit->side)].emission;
     double weight = 1;
-    if (path->density > 0)
+    if (path->density > 0 && room == scene->room) /* no ray is aimed at copies */
         weight = path->density / (path->density + path_lamps_density(&scene->lamps, &path->from,
                                                                      hit));
     const Shadow light = split(path, rgb_scale(rgb_mul(path->throughput, emission), weight),
@@ -122,18 +139,17 @@ static bool aim_shadow(const PathScene *scene, const Path *path, const PathSurfa
     const Rgb    share = path->bounces == 0 ? diffuse_share(surface, aim.way, value)
                                             : path->share;
     *shadow = split(path, light, share, path->turns);
-    *ray = ray_between(at.point, at.normal, aim.point, aim.normal, scene->room->offset);
+    *ray = ray_between(at.point, at.normal, aim.point, aim.normal, scene->offset);
     return true;
 }
 
 /* Goes on in a new direction. false: the path ends. */
 static bool move_on(const PathScene *scene, Path *path, const PathSurface *surface)
 {
-    const Room *room = scene->room;
     float       u[4];
     PathNext    next;
     sampling_sobol4(path->index, sampling_seed(path->seed, path->bounces, SEED_WAY, 0), u);
-    if (!path_surface_next(surface, room, u, &next))
+    if (!path_surface_next(surface, u, &next))
         return false;
     if (next.density > 0) {
         const Rgb share = diffuse_share(surface, next.out, next.weight);
@@ -153,7 +169,7 @@ static bool move_on(const PathScene *scene, Path *path, const PathSurface *surfa
         path->from = (PathPlace){ surface->hit.point, surface->hit.normal };
     }
     path->ray = ray_leaving(surface->hit.point, surface->hit.normal,
-                            next.across ? -room->offset : room->offset, next.out, INFINITY);
+                            next.across ? -scene->offset : scene->offset, next.out, INFINITY);
     const double carried = rgb_max(path->throughput);
     if (path->bounces <= BOUNCES_FREE)
         return carried > 0;
@@ -166,25 +182,25 @@ static bool move_on(const PathScene *scene, Path *path, const PathSurface *surfa
 
 /* What a path's ray met. Returns whether the path goes on; *shadows counts up when it left a shadow
  * ray. */
-static bool path_step(PathWave *wave, const PathScene *scene, const Hit *hit, Path *path,
-                      uint32_t *shadows, PathSum *sum)
+static bool path_step(PathWave *wave, const PathScene *scene, const InstanceHit *found,
+                      Path *path, uint32_t *shadows, PathSum *sum)
 {
-    const Room *room = scene->room;
     const Vec3  in = vec3_unit(vec3(path->ray.dx, path->ray.dy, path->ray.dz));
     PathSurface surface;
     RoomHit     at;
-    if (hit->primitive == RAY_MISS) {
+    if (found->hit.primitive == RAY_MISS) {
         const Rgb light = rgb_mul(rgb_mul(path->throughput, path->seen),
                                   scene->options->background);
         sum[path->pixel].radiance = rgb_add(sum[path->pixel].radiance, light);
         return false;
     }
-    path_hit(room, hit, in, &at);
-    add_emission(scene, path, &at, sum);
+    const Room *room = path_place(scene, found, in, &at);
+    add_emission(scene, room, path, &at, sum);
     /* Sides chosen by hand that are not in use take light for lost, but for the eye's sight. */
     if (room->sides_given && path->bounces > 0 && (room->sides[at.surface] >> at.side & 1) == 0)
         return false;
-    path_surface_init(&surface, room, scene->smooth, &at, in, scene->options->diffuse_only);
+    path_surface_init(&surface, room, room == scene->room ? scene->smooth : NULL, &at, in,
+                      scene->options->diffuse_only);
     if (aim_shadow(scene, path, &surface, &wave->shadow[*shadows], &wave->shadow_ray[*shadows]))
         (*shadows)++;
     return move_on(scene, path, &surface);
@@ -193,36 +209,40 @@ static bool path_step(PathWave *wave, const PathScene *scene, const Hit *hit, Pa
 /* Share of light that a blocked ray's way lets pass: panes do. */
 static Rgb pass_of(const PathScene *scene, Ray ray, uint64_t *rays)
 {
-    const Room *room = scene->room;
     const Vec3  way = vec3(ray.dx, ray.dy, ray.dz), unit = vec3_unit(way);
     const Vec3  start = vec3(ray.ox, ray.oy, ray.oz);
     const double length = vec3_length(way);
     Rgb         pass = { 1, 1, 1 };
     for (int k = 0; k < PANES_MOST; k++) {
-        Hit     hit;
-        RoomHit at;
+        InstanceHit found;
+        RoomHit     at;
         (*rays)++;
-        if (!bvh_nearest(room->bvh, &ray, &hit))
+        if (!path_nearest(scene, &ray, &found))
             return pass;
-        path_hit(room, &hit, unit, &at);
+        const Room *room = path_place(scene, &found, unit, &at);
         pass = rgb_mul(pass, path_surface_pane(room, &at, unit));
         if (!(rgb_max(pass) > 0))
             return pass;
         /* On from behind the pane, along the same line to the same end. */
         const double done = vec3_dot(vec3_sub(at.point, start), unit) / length;
-        const double slack = room->offset / (length * fmax(-vec3_dot(unit, at.normal), 0.01));
-        ray.t_min = fmaxf(nextafterf(hit.t, INFINITY), (float)(done + slack));
+        const double slack = scene->offset / (length * fmax(-vec3_dot(unit, at.normal), 0.01));
+        ray.t_min = fmaxf(nextafterf(found.hit.t, INFINITY), (float)(done + slack));
         if (!(ray.t_min < ray.t_max))
             return pass;
     }
     return rgb(0, 0, 0);
 }
 
-static uint64_t cast_shadows(PathWave *wave, const PathScene *scene, uint32_t count, PathSum *sum)
+static uint64_t cast_shadows(PathWave *wave, const PathScene *scene, uint32_t count, PathSum *sum,
+                             Error *err)
 {
     uint64_t rays = count;
     assert(count <= PATH_WAVE);
-    bvh_blocked_many(scene->room->bvh, wave->shadow_ray, wave->blocked, count);
+    if (scene->copies == NULL)
+        bvh_blocked_many(scene->room->bvh, wave->shadow_ray, wave->blocked, count);
+    else if (!instances_blocked_many(copies_instances(scene->copies), wave->shadow_ray,
+                                     wave->blocked, count, false, err))
+        return 0;
     for (uint32_t i = 0; i < count; i++) {
         const Shadow *shadow = &wave->shadow[i];
         Rgb           pass = { 1, 1, 1 };
@@ -235,23 +255,36 @@ static uint64_t cast_shadows(PathWave *wave, const PathScene *scene, uint32_t co
     return rays;
 }
 
-uint64_t path_wave_run(PathWave *wave, const PathScene *scene, PathSum *sum)
+static bool cast_rays(PathWave *wave, const PathScene *scene, Error *err)
+{
+    for (uint32_t i = 0; i < wave->count; i++)
+        wave->ray[i] = wave->path[i].ray;
+    if (scene->copies != NULL)
+        return instances_nearest_many(copies_instances(scene->copies), wave->ray, wave->met,
+                                      wave->count, false, err);
+    bvh_nearest_many(scene->room->bvh, wave->ray, wave->hit, wave->count);
+    for (uint32_t i = 0; i < wave->count; i++)
+        wave->met[i] = (InstanceHit){ wave->hit[i], 0 };
+    return true;
+}
+
+uint64_t path_wave_run(PathWave *wave, const PathScene *scene, PathSum *sum, Error *err)
 {
     uint64_t rays = 0;
     assert(sum != NULL && scene->room != NULL && scene->options != NULL);
     while (wave->count > 0) {
         uint32_t next = 0, shadows = 0;
-        for (uint32_t i = 0; i < wave->count; i++)
-            wave->ray[i] = wave->path[i].ray;
-        bvh_nearest_many(scene->room->bvh, wave->ray, wave->hit, wave->count);
+        if (!cast_rays(wave, scene, err))
+            break;
         rays += wave->count;
         for (uint32_t i = 0; i < wave->count; i++) {
             Path path = wave->path[i];
-            if (path_step(wave, scene, &wave->hit[i], &path, &shadows, sum))
+            if (path_step(wave, scene, &wave->met[i], &path, &shadows, sum))
                 wave->path[next++] = path;
         }
-        rays += cast_shadows(wave, scene, shadows, sum);
+        rays += cast_shadows(wave, scene, shadows, sum, err);
         wave->count = next;
     }
+    wave->count = 0;
     return rays;
 }

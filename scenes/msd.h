@@ -11,6 +11,7 @@
  *   msd_values.c      numbers, vectors, colours, sizes        msd_matrix.c  transformations
  *   msd_statements.c  files and blocks; declarations, OBJECT, REF
  *   msd_files.c       INCLUDE and BREPOBJ: other files, each read once
+ *   msd_placed.c      what BREPOBJ places: faces, or references
  *   msd_world.c       globals, screen, cameras, lights        msd_surface.c materials
  *   msd_things.c      flat objects                            msd_curved.c  round ones
  *   msd_read.c        the reader's beginning and end
@@ -117,7 +118,19 @@ typedef struct {
 typedef struct {
     char    *real;
     Polygons polygons; /* as in the file, untransformed */
+    Vec3     lo, hi;   /* around them */
+    bool     used;     /* placed once already */
+    bool     moved;    /* polygons are now the scene's prototype of this number: */
+    uint32_t prototype;
 } MsdImport;
+
+/* A mesh in its place. Its faces among the soup's: none when it is kept by reference. */
+typedef struct {
+    size_t   import;
+    uint32_t material, group; /* group: MSD_NONE: those of the file */
+    Affine   map;
+    size_t   polygon, polygons, vertex, vertices, shape, shapes; /* first, how many */
+} MsdPlaced;
 
 typedef struct {
     Scene                  *scene;
@@ -151,6 +164,10 @@ typedef struct {
     size_t          key_slots;
     MsdImport      *imports;
     size_t          import_count, import_capacity;
+    MsdPlaced      *placed;   /* [placed_count]  none with INSTANCES_FLATTEN */
+    size_t          placed_count, placed_capacity;
+    uint64_t        repeated; /* faces of meshes that were placed before */
+    bool            kept;     /* meshes are no longer put among the soup's faces */
     /* what holds for the next object */
     Affine   map;
     uint32_t group;        /* symbol of the group's name; MSD_NONE: each object its own */
@@ -266,6 +283,10 @@ bool msd_source_add(MsdReader *r, const char *path, const char *real, char *text
  * NULL for the scene file itself. */
 bool msd_source_open(MsdReader *r, const char *path, const MsdPlace *from, uint32_t *index);
 bool msd_brep(MsdReader *r, const MsdThing *thing);
+/* Places a mesh read before; group MSD_NONE: those of its file. */
+bool msd_place(MsdReader *r, const MsdThing *thing, size_t import, uint32_t group);
+/* Hands what is kept by reference to the scene. */
+bool msd_placed_finish(MsdReader *r);
 bool msd_surface(MsdReader *r);
 /* The current token's number is a SURFACE: *material, MSD_NONE while only checking. */
 bool msd_surface_use(MsdReader *r, uint32_t *material);

@@ -159,6 +159,8 @@ static bool import_open(MsdReader *r, MsdPlace place, const char *path, size_t *
     if (!scene_import_into(&import->polygons, path, material, &still, r->options,
                            &r->scene->hash, &cause))
         return msd_error_from(r, place, &cause);
+    if (!polygons_bounds(&import->polygons, &import->lo, &import->hi))
+        import->lo = import->hi = vec3(0, 0, 0);
     return true;
 }
 
@@ -186,12 +188,6 @@ bool msd_brep(MsdReader *r, const MsdThing *thing)
         return true;
     if (!path_beside(r, place, name, path) || !import_open(r, place, path, &index))
         return false;
-    const Polygons *polygons = &r->imports[index].polygons;
-    if (!msd_count(r, thing->place, polygons->polygon_count + polygons->shape_count + 1) ||
-        !import_group(r, polygons, thing, &group))
-        return false;
-    for (size_t i = 0; i < polygons->vertex_count; i++)
-        if (!msd_reachable(r, thing->place, affine_point(&r->map, polygons->position[i])))
-            return false;
-    return polygons_append(&r->scene->polygons, polygons, &r->map, thing->material, group, r->err);
+    return import_group(r, &r->imports[index].polygons, thing, &group) &&
+           msd_place(r, thing, index, group);
 }

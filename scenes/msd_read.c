@@ -36,6 +36,7 @@ static void reader_clear(MsdReader *r)
     array_free(r->keys);
     array_free(r->key_slot);
     array_free(r->imports);
+    array_free(r->placed);
     if (r->locale != (locale_t)0)
         freelocale(r->locale);
 }
@@ -57,7 +58,7 @@ static bool reader_init(MsdReader *r, const char *file, const SceneReadOptions *
 /* Reads the source, frees the reader; the scene or NULL. */
 static Scene *reader_finish(MsdReader *r, bool opened, uint32_t source)
 {
-    if (!opened || !msd_file(r, source, IN_FILE)) {
+    if (!opened || !msd_file(r, source, IN_FILE) || !msd_placed_finish(r)) {
         assert(error_is_set(r->err));
         r->scene = scene_destroy(r->scene);
     }

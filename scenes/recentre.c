@@ -129,6 +129,8 @@ static bool move_all(Scene *scene, Vec3 by, Error *err)
         soup->position[i] = vec3_sub(soup->position[i], by);
     for (size_t i = 0; i < scene->textures.map_count; i++)
         face_map_move(&scene->textures.map[i], by);
+    for (size_t i = 0; i < scene->placement_count; i++)
+        scene->placements[i].to_world.t = vec3_sub(scene->placements[i].to_world.t, by);
     for (size_t i = 0; i < scene->light_count; i++)
         scene->lights[i].position = vec3_sub(scene->lights[i].position, by);
     for (size_t i = 0; i < scene->camera_count; i++) {

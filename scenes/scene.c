@@ -28,6 +28,10 @@ Scene *scene_destroy(Scene *scene)
     if (scene == NULL)
         return NULL;
     polygons_clear(&scene->polygons);
+    for (size_t i = 0; i < scene->prototype_count; i++)
+        polygons_clear(&scene->prototypes[i]);
+    array_free(scene->prototypes);
+    array_free(scene->placements);
     textures_clear(&scene->textures);
     array_free(scene->file);
     array_free(scene->lights);
@@ -35,7 +39,7 @@ Scene *scene_destroy(Scene *scene)
     return array_free(scene);
 }
 
-/* The two lists are short; they carry no capacity of their own and double at powers of two. */
+/* The lists are short; they carry no capacity of their own and double at powers of two. */
 static bool list_room(void **list, size_t count, size_t size, const char *what, Error *err)
 {
     size_t capacity = count; /* full exactly at 0 and at powers of two */
@@ -63,6 +67,48 @@ bool scene_add_camera(Scene *scene, const Camera *camera, Error *err)
         return false;
     scene->cameras[scene->camera_count++] = *camera;
     return true;
+}
+
+bool scene_add_prototype(Scene *scene, Polygons *polygons, uint32_t *index, Error *err)
+{
+    assert(scene != NULL && polygons != NULL && index != NULL && err != NULL);
+    if (!list_room((void **)&scene->prototypes, scene->prototype_count, sizeof *polygons,
+                   "prototypes", err)) {
+        polygons_clear(polygons);
+        return false;
+    }
+    *index = (uint32_t)scene->prototype_count;
+    scene->prototypes[scene->prototype_count++] = *polygons;
+    *polygons = (Polygons){ 0 };
+    return true;
+}
+
+bool scene_add_placement(Scene *scene, const Placement *placement, Error *err)
+{
+    assert(scene != NULL && placement != NULL && err != NULL);
+    assert(placement->prototype < scene->prototype_count);
+    if (scene->placement_count >= UINT32_MAX - 1)
+        return error_set(err, ERROR_INPUT, "more than %u placed objects", UINT32_MAX - 1);
+    if (!list_room((void **)&scene->placements, scene->placement_count, sizeof *placement,
+                   "placed objects", err))
+        return false;
+    scene->placements[scene->placement_count++] = *placement;
+    return true;
+}
+
+static uint64_t soup_triangles(const Polygons *soup)
+{
+    return soup->polygon_count == 0
+               ? 0 : (uint64_t)soup->first[soup->polygon_count] - 2 * soup->polygon_count;
+}
+
+uint64_t scene_triangles(const Scene *scene)
+{
+    assert(scene != NULL);
+    uint64_t count = soup_triangles(&scene->polygons);
+    for (size_t i = 0; i < scene->placement_count; i++)
+        count += soup_triangles(&scene->prototypes[scene->placements[i].prototype]);
+    return count;
 }
 
 /* --- values that cannot be ------------------------------------------------------------------- */
@@ -142,6 +188,13 @@ bool scene_check(const Scene *scene)
     for (size_t i = 0; i < scene->polygons.material_count; i++)
         if (scene->polygons.materials[i].texture > scene->textures.count)
             return false;
+    for (size_t i = 0; i < scene->prototype_count; i++)
+        if (!polygons_check(&scene->prototypes[i]))
+            return false;
+    for (size_t i = 0; i < scene->placement_count; i++)
+        if (scene->placements[i].prototype >= scene->prototype_count ||
+            scene->placements[i].material >= scene->polygons.material_count)
+            return false;
     return scene->file != NULL && scene->width >= 0 && scene->height >= 0 &&
            vec3_finite(scene->up) && vec3_length(scene->up) > 0 &&
            polygons_check(&scene->polygons);
@@ -157,6 +210,9 @@ bool scene_has_light(const Scene *scene)
             return true;
     for (size_t i = 0; i < soup->shape_count; i++)
         if (rgb_max(soup->materials[soup->shape[i].material].emission) > 0)
+            return true;
+    for (size_t i = 0; i < scene->placement_count; i++)
+        if (rgb_max(soup->materials[scene->placements[i].material].emission) > 0)
             return true;
     for (size_t i = 0; i < scene->light_count; i++)
         if (rgb_max(scene->lights[i].intensity) > 0)

@@ -34,9 +34,20 @@ typedef struct {
     double focus;                /* distance along the axis that is sharp; 0: the target's */
 } Camera;
 
+/* One more copy of a prototype, by reference. */
+typedef struct {
+    uint32_t prototype;          /* index into Scene.prototypes */
+    uint32_t material;           /* of all its faces: index into Scene.polygons.materials */
+    Affine   to_world;           /* has an inverse */
+} Placement;
+
 typedef struct {
     char      *file;             /* path as given */
     Polygons   polygons;
+    Polygons  *prototypes;       /* [prototype_count]  in their own space; materials unused */
+    size_t     prototype_count;
+    Placement *placements;       /* [placement_count]  not among `polygons` */
+    size_t     placement_count;
     Textures   textures;         /* what Material.texture counts */
     Light     *lights;           /* [light_count] */
     size_t     light_count;
@@ -53,10 +64,21 @@ typedef struct {
     uint64_t   hash;             /* xxHash of the bytes of all files read */
 } Scene;
 
+/* What becomes of meshes that a scene places again and again. */
+typedef enum {
+    INSTANCES_FLATTEN,           /* each copy's faces are among Scene.polygons */
+    INSTANCES_AUTO,              /* the same until those placed before have come again with
+                                    INSTANCES_MOST faces, else as the next */
+    INSTANCES_KEEP               /* Scene.prototypes and Scene.placements */
+} SceneInstances;
+#define INSTANCES_MOST 4000000u
+
 typedef struct {
     double    import_seconds;    /* limit for a foreign file; 0: 120 */
     uint64_t  import_memory;     /* bytes the importing child may use; 0: 8 GiB */
     const Monitor *monitor;      /* warnings; may be NULL */
+    SceneInstances instances;    /* of BREPOBJ in MSD */
+    uint64_t  instances_most;    /* 0: INSTANCES_MOST */
 } SceneReadOptions;
 
 /* Reads by the file name's ending: .msd is the own language, all else goes through the importer in
@@ -84,6 +106,12 @@ static inline Vec3 scene_from_file(const Scene *scene, Vec3 p)
 Scene *scene_create(const char *file, Error *err);
 bool   scene_add_light(Scene *scene, const Light *light, Error *err);
 bool   scene_add_camera(Scene *scene, const Camera *camera, Error *err);
+
+/* Takes the polygons over: leaves { 0 } in *polygons, failing or not. */
+bool scene_add_prototype(Scene *scene, Polygons *polygons, uint32_t *index, Error *err);
+bool scene_add_placement(Scene *scene, const Placement *placement, Error *err);
+/* Triangles of all there is, copies and all; a curved face counts as none. */
+uint64_t scene_triangles(const Scene *scene);
 
 /* Invariants of a Scene, polygons included. */
 bool scene_check(const Scene *scene);
