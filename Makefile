@@ -37,11 +37,12 @@ $(error config is one of debug release sanitize coverage scalar)
 endif
 
 # Headers of outside libraries are not ours to warn about. OpenEXR's own C header has a folder.
-DEP_PACKAGES := OpenEXR libpng jansson libzip libxxhash assimp
+DEP_PACKAGES := OpenEXR libpng jansson libzip libxxhash assimp glfw3 epoxy imgui
 DEP_FOLDERS  := $(patsubst -I%,%,$(shell pkg-config --cflags-only-I $(DEP_PACKAGES) 2>/dev/null))
 SYSTEM_INCLUDES := $(addprefix -isystem ,$(filter-out /usr/include,$(sort $(DEP_FOLDERS) \
                      /usr/include/OpenEXR /usr/include/Imath)))
 LIBS := -lOpenMeshCore -lassimp -lOpenEXRCore -lpng -ljansson -lzip -lxxhash -lstdc++ -lm
+VIEWER_LIBS := -limgui -lstb -lglfw -lepoxy -lGL -ldl
 
 ALL_CFLAGS    = -std=c17 $(OPT) $(COMMON) $(CWARNINGS) $(CFLAGS)
 ALL_CXXFLAGS  = -std=c++17 $(OPT) $(COMMON) $(WARNINGS) $(CXXFLAGS)
@@ -49,7 +50,8 @@ LINK = $(CC) $(OPT) -pthread
 
 SOURCES := $(sort $(foreach f,$(FOLDERS),$(wildcard $f/*.c $f/*.cpp)))
 OBJECTS := $(patsubst %,$(BUILD)/obj/%.o,$(SOURCES))
-APP_OBJECTS := $(patsubst %,$(BUILD)/obj/%.o,$(sort $(wildcard app/*.c)))
+# The window is part of the program alone: the library needs no screen.
+APP_OBJECTS := $(patsubst %,$(BUILD)/obj/%.o,$(sort $(wildcard app/*.c viewer/*.c viewer/*.cpp)))
 BENCH_OBJECTS := $(patsubst %,$(BUILD)/obj/%.o,$(sort $(wildcard bench/*.c)))
 TESTS := $(sort $(patsubst tests/%.c,%,$(wildcard tests/test_*.c)))
 FUZZ  := $(sort $(patsubst tests/fuzz/fuzz_%.c,%,$(wildcard tests/fuzz/fuzz_*.c)))
@@ -67,7 +69,7 @@ $(BUILD)/app.a: $(filter-out %/main.c.o,$(APP_OBJECTS))
 
 $(BUILD)/isolux: $(APP_OBJECTS) $(BUILD)/libisolux.a
 	@echo "  LINK $@"
-	$(Q)$(LINK) -o $@ $^ $(LDFLAGS) $(LIBS)
+	$(Q)$(LINK) -o $@ $^ $(LDFLAGS) $(VIEWER_LIBS) $(LIBS)
 
 $(BUILD)/libisolux.a: $(OBJECTS) $(BUILD)/sources
 	@echo "  AR   $@"
@@ -147,7 +149,7 @@ bench: $(BUILD)/raybench
 
 # --- tests: one program a file, each in a process of its own -------------------------------------
 
-APP_USERS := $(shell grep -lE '^ *\# *include *"app/' tests/test_*.c tests/fuzz/fuzz_*.c 2>/dev/null)
+APP_USERS := $(shell grep -lE '^ *\# *include *"(app|viewer)/' tests/test_*.c tests/fuzz/fuzz_*.c 2>/dev/null)
 APP_USERS := $(basename $(notdir $(APP_USERS)))
 $(APP_USERS:%=$(BUILD)/tests/%) $(APP_USERS:fuzz_%=$(BUILD)/tests/replay_%) \
 $(APP_USERS:%=$(BUILD)/%): $(BUILD)/app.a
@@ -155,7 +157,8 @@ LINK_INPUTS = $(filter %.o,$^) $(filter %/app.a,$^) $(filter %/libisolux.a,$^)
 
 $(BUILD)/tests/%: $(BUILD)/obj/tests/%.c.o $(BUILD)/libisolux.a
 	@mkdir -p $(@D)
-	$(Q)$(LINK) -o $@ $(LINK_INPUTS) $(LDFLAGS) -lcmocka $(LIBS)
+	$(Q)$(LINK) -o $@ $(LINK_INPUTS) $(LDFLAGS) -lcmocka \
+	  $(if $(filter %/app.a,$^),$(VIEWER_LIBS)) $(LIBS)
 
 # Fuzz targets without the fuzzer: each file of the corpus once.
 $(BUILD)/tests/replay_%: $(BUILD)/obj/tests/fuzz/fuzz_%.c.o $(BUILD)/obj/tests/fuzz/replay.c.o \
@@ -189,7 +192,7 @@ coverage:
 	@$(MAKE) --no-print-directory config=coverage test
 	@command -v gcovr >/dev/null || { echo "make coverage: the report needs gcovr" >&2; exit 1; }
 	@gcovr --root . --object-directory build/coverage/obj $(FOLDERS:%=--filter '%/') \
-	  --filter 'app/' --gcov-ignore-parse-errors --print-summary --html-details \
+	  --filter 'app/' --filter 'viewer/' --gcov-ignore-parse-errors --print-summary --html-details \
 	  build/coverage/report.html
 	@echo "$(CURDIR)/build/coverage/report.html"
 
@@ -227,7 +230,7 @@ stats:
 	@tools/stats.sh
 
 format:
-	clang-format -i $(wildcard $(foreach f,$(FOLDERS) app tests tests/fuzz,$f/*.c $f/*.h $f/*.cpp))
+	clang-format -i $(wildcard $(foreach f,$(FOLDERS) viewer app tests tests/fuzz,$f/*.c $f/*.h $f/*.cpp))
 
 # --- installing ----------------------------------------------------------------------------------
 

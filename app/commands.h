@@ -17,6 +17,7 @@ bool cmd_check(Pipeline *pipeline, int *exit_code, Error *err);
 bool cmd_validate(Pipeline *pipeline, int *exit_code, Error *err);
 bool cmd_bench(Pipeline *pipeline, int *exit_code, Error *err);
 bool cmd_compare(Pipeline *pipeline, int *exit_code, Error *err);
+bool cmd_view(Pipeline *pipeline, int *exit_code, Error *err);
 bool cmd_develop(Pipeline *pipeline, int *exit_code, Error *err);
 
 /* --- parts ------------------------------------------------------------------------------------ */

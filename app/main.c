@@ -7,6 +7,7 @@
 #include "app/saving.h"
 #include "app/signals.h"
 #include "app/summary.h"
+#include "viewer/bindings.h"
 
 typedef bool (*CommandRun)(Pipeline *pipeline, int *exit_code, Error *err);
 
@@ -31,6 +32,8 @@ static CommandRun command_run(Command command)
         return cmd_compare;
     case COMMAND_DEVELOP:
         return cmd_develop;
+    case COMMAND_VIEW:
+        return cmd_view;
     case COMMAND_NONE:
         break;
     }
@@ -120,7 +123,9 @@ int main(int argc, char **argv)
     signals_install();
     session_init(&session, &options);
     int code = 0;
-    if (options.print_config)
+    if (options.list_bindings)
+        bindings_list(stdout);
+    else if (options.print_config)
         quality_print(stdout, &options, &session.settings);
     else
         code = run(&session);

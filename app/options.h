@@ -25,7 +25,8 @@ typedef enum {
     COMMAND_VALIDATE = 1 << 5,
     COMMAND_BENCH = 1 << 6,
     COMMAND_COMPARE = 1 << 7,
-    COMMAND_DEVELOP = 1 << 8
+    COMMAND_DEVELOP = 1 << 8,
+    COMMAND_VIEW = 1 << 12
 } Command;
 
 /* The order of these is the order of the words in the option's table row. */
@@ -129,6 +130,12 @@ typedef enum {
     OPTION_LAMP,
     OPTION_SAMPLES,
     OPTION_CONSTANT,
+    OPTION_SCRIPT,
+    OPTION_SCREENSHOT,
+    OPTION_FRAMES,
+    OPTION_RATE,
+    OPTION_NO_PANELS,
+    OPTION_LIST_BINDINGS,
     OPTION_HELP,
     OPTION_COUNT
 } OptionId;
@@ -164,6 +171,10 @@ typedef struct Options {
     bool        print_config, diffuse, help, adapt, no_adapt, constant;
     bool        overshoot, no_ambient, compare, light_groups;
     const char *changes;     /* file of changes */
+    const char *script, *screenshot; /* view */
+    uint32_t    frames;      /* view: how many; 0: until it is closed */
+    double      rate;        /* view: frames a second; 0: as they are needed */
+    bool        no_panels, list_bindings;
     TextList    set;         /* changes */
     int         renderer;    /* Renderer */
     uint32_t    depth;       /* of RENDERER_WHITTED; 0: not given */

@@ -57,7 +57,7 @@ bool pipeline_fits(const Pipeline *pipeline, uint64_t more, const char *what, Er
 bool pipeline_hurry(Pipeline *pipeline, Error *err)
 {
     Session *session = pipeline->session;
-    if (err->code != ERROR_STOPPED || session->hurry || session->broken)
+    if (err->code != ERROR_STOPPED || session->hurry || session->broken || session->abrupt)
         return false;
     saving_tick(pipeline->saving);
     session->hurry = true;

@@ -84,6 +84,9 @@ typedef struct Pipeline {
     LightAccuracy accuracy;
     Changes      changes;           /* after it is solved */
     Relit        relit;
+    /* called after each pass of adaption; NULL: not. error: [patches] of adapt_errors */
+    void (*watch)(void *user, const Links *links, const Solution *solution, const double *error);
+    void        *watch_user;
     struct Saving *saving;          /* the caller's; NULL: nothing is saved */
     RenderReport render;
     PathReport   path;              /* of --renderer path */

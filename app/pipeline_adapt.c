@@ -77,7 +77,7 @@ static bool pass_stop(void *user)
 static bool stopped(Adaption *a, Error *err)
 {
     Session *session = a->pipeline->session;
-    if (err->code != ERROR_STOPPED || session->broken)
+    if (err->code != ERROR_STOPPED || session->broken || session->abrupt)
         return false;
     saving_tick(a->pipeline->saving);
     *err = (Error){ 0 };
@@ -307,6 +307,15 @@ static bool take(Adaption *a, Patches *finer, const uint32_t *parent, Error *err
     return true;
 }
 
+/* For who looks on. */
+static bool watch(const Adaption *a, const Pass *pass)
+{
+    const Pipeline *pipeline = a->pipeline;
+    if (pipeline->watch != NULL)
+        pipeline->watch(pipeline->watch_user, pass->closed, pass->solution, pass->error);
+    return true;
+}
+
 /* One pass; *more is false when there is nothing left to divide. */
 static bool run_pass(Adaption *a, double goal, double worth, bool *more, Error *err)
 {
@@ -321,7 +330,7 @@ static bool run_pass(Adaption *a, double goal, double worth, bool *more, Error *
         done = divide_as(a->pipeline, chosen, &finer, &parent, err);
     else
         done = light_roughly(a, &pass, err) &&
-               find_errors(a, &pass, &report->error[report->passes], err) &&
+               find_errors(a, &pass, &report->error[report->passes], err) && watch(a, &pass) &&
                divide(a, &pass, goal, worth, &finer, &parent, err);
     report->seconds += progress_now() - begin;
     *more = done && finer != NULL && finer->count > a->pipeline->patches->count;

@@ -25,6 +25,7 @@ typedef struct Session {
     size_t          warning_count, warning_capacity;
     double          deadline;  /* clock of progress_now; INFINITY: none */
     bool            hurry;     /* a stop was seen: finish roughly, do not stop again */
+    bool            abrupt;    /* who asks to stop wants nothing finished, however roughly */
     bool            quiet;     /* keep warnings, print none */
     bool            holding;   /* keep warnings until session_release: a file that turns out to be
                                   unreadable shall give one line, not ten */

@@ -5,7 +5,8 @@
  * stops.
  *
  * Threads  callbacks are made from the thread that called the library, never from workers, except
- *          `stop`, which may be called from any thread and must not block.
+ *          `stop`, which may be called from any thread and must not block, unless all of the work
+ *          is to rest for a while: then it may in every thread that asks.
  */
 #ifndef BASE_MONITOR_H
 #define BASE_MONITOR_H

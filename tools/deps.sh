@@ -7,13 +7,17 @@
 set -u
 
 packages='gcc g++ make pkg-config libopenmesh-dev libassimp-dev libopenexr-dev libpng-dev libstb-dev
-libjansson-dev libzip-dev libxxhash-dev librandom123-dev libcmocka-dev universal-ctags'
+libjansson-dev libzip-dev libxxhash-dev librandom123-dev libcmocka-dev libglfw3-dev libepoxy-dev libimgui-dev
+libgl1-mesa-dri xauth xvfb universal-ctags'
 
 # header  package
 headers='assimp/cimport.h libassimp-dev
 openexr.h libopenexr-dev
 png.h libpng-dev
 zip.h libzip-dev
+GLFW/glfw3.h libglfw3-dev
+epoxy/gl.h libepoxy-dev
+imgui/imgui.h libimgui-dev
 stb/stb_image.h libstb-dev
 jansson.h libjansson-dev
 xxhash.h libxxhash-dev

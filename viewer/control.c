@@ -16,6 +16,7 @@ void control_clear(Control *control) { pthread_mutex_destroy(&control->lock); }
 
 void control_report(Control *control, const Report *report)
 {
+    assert(report->doing != NULL);
     pthread_mutex_lock(&control->lock);
     control->report = *report;
     pthread_mutex_unlock(&control->lock);

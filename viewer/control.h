@@ -35,8 +35,10 @@ typedef struct {
     Report      report;     /* under the lock */
 } Control;
 
+/* With a report of nothing done yet. */
 void control_init(Control *control);
 void control_clear(Control *control);
+/* The solver's report so far, and the last one there was. */
 void control_report(Control *control, const Report *report);
 void control_read(Control *control, Report *report);
 

@@ -173,6 +173,7 @@ ShownMesh *shown_mesh_create(const Scene *scene, const Patches *patches, const u
 
 ShownMesh *shown_mesh_share(ShownMesh *mesh)
 {
+    assert(atomic_load(&mesh->references) > 0);
     atomic_fetch_add(&mesh->references, 1);
     return mesh;
 }

@@ -75,4 +75,8 @@ void mailbox_put(Mailbox *mailbox, Snapshot *snapshot)
     snapshot_destroy(atomic_exchange(&mailbox->waiting, snapshot));
 }
 
-Snapshot *mailbox_take(Mailbox *mailbox) { return atomic_exchange(&mailbox->waiting, NULL); }
+Snapshot *mailbox_take(Mailbox *mailbox)
+{
+    assert(mailbox != NULL);
+    return atomic_exchange(&mailbox->waiting, NULL);
+}

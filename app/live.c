@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The solver's thread. */
+#include "app/live.h"
+
+#include <assert.h>
+#include <string.h>
+#include <time.h>
+
+#include "app/pipeline_stochastic.h"
+#include "base/array.h"
+
+static void rest(void)
+{
+    static const struct timespec A_MOMENT = { .tv_nsec = 10 * 1000 * 1000 };
+    nanosleep(&A_MOMENT, NULL);
+}
+
+bool live_must_end(const Live *live)
+{
+    return atomic_load(&live->control->quit) || atomic_load(&live->control->restart) ||
+           session_stopped(live->pipeline->session);
+}
+
+bool live_step(Live *live)
+{
+    Control *control = live->control;
+    assert(control != NULL);
+    atomic_store(&live->stepping, false);
+    while (atomic_load(&control->paused) && !live_must_end(live)) {
+        unsigned steps = atomic_load(&control->steps);
+        if (steps > 0) {
+            atomic_fetch_sub(&control->steps, 1);
+            atomic_store(&live->stepping, true);
+            break;
+        }
+        rest();
+    }
+    if (!atomic_load(&control->paused))
+        atomic_store(&control->steps, 0);
+    return !live_must_end(live);
+}
+
+/* --- the monitor of all stages ---------------------------------------------------------------- */
+
+static void live_warn(void *user, const char *code, const char *where, const char *text)
+{
+    const Live *live = user;
+    monitor_warn(&live->outer, code, where, "%s", text);
+}
+
+/* Asked by every thread at work: all of them rest while it is paused. */
+static bool live_stop(void *user)
+{
+    const Live *live = user;
+    while (atomic_load(&live->control->paused) && !atomic_load(&live->stepping) &&
+           !live_must_end(live))
+        rest();
+    return live_must_end(live);
+}
+
+static void live_progress(void *user, const Progress *progress)
+{
+    Live *live = user;
+    monitor_progress(&live->outer, progress);
+    live->report.done = progress->done;
+    if (progress->rays > 0)
+        live->report.rays = live->rays_before + progress->rays;
+    live_report(live);
+}
+
+void live_report(Live *live)
+{
+    Report *r = &live->report;
+    const double now = progress_now(), spent = now - live->stage_begin;
+    r->doing = live->doing;
+    r->seconds = now - live->begin;
+    r->memory = progress_peak_bytes();
+    r->left = r->done > 0.05 && r->done < 1 ? spent * (1 - r->done) / r->done : -1;
+    r->rays_per_second = spent > 0.05 ? (double)(r->rays - live->rays_before) / spent : 0;
+    control_report(live->control, r);
+}
+
+void live_begin(Live *live, const char *doing, ShownStep step)
+{
+    live->doing = doing;
+    live->step = step;
+    live->stage_begin = progress_now();
+    live->rays_before = live->report.rays;
+    live->report.done = -1;
+    live_report(live);
+}
+
+/* --- links, dividing, solving ----------------------------------------------------------------- */
+
+/* After each pass of adaption: what is known so far. */
+static void on_pass(void *user, const Links *links, const Solution *solution, const double *error)
+{
+    Live *live = user;
+    Error err = { 0 }; /* a picture less is no reason to stop */
+    const LiveLight light = { .radiosity = solution->radiosity,
+                              .irradiance = solution->irradiance, .error = error,
+                              .visible_area = links->area, .links = links,
+                              .shooter = PATCH_NONE };
+    live->step = STEP_LINKED;
+    live->doing = "dividing";
+    live_publish(live, &light, &err);
+    live_report(live);
+    live_step(live);
+}
+
+static void on_step(void *user, const SolveStep *step)
+{
+    Live *live = user;
+    Error err = { 0 };
+    const Pipeline *p = live->pipeline;
+    const LiveLight light = { .radiosity = step->radiosity, .visible_area = p->links->area,
+                              .direct = p->direct.irradiance, .shooter = PATCH_NONE };
+    const double tolerance = atomic_load(&live->control->tolerance);
+    live->report.unshot = step->unshot;
+    live->report.residual = step->residual;
+    live->report.steps = step->step;
+    /* Sweeps win about the same factor each. */
+    live->report.done = step->residual > 0 && step->residual < 1
+                            ? fmin(1, log(step->residual) / log(tolerance)) : 0;
+    live_report(live);
+    if (live_due(live))
+        live_publish(live, &light, &err);
+    live_step(live);
+}
+
+static bool run_solver(Live *live, Error *err)
+{
+    Pipeline *p = live->pipeline;
+    assert(p->links != NULL || p->session->settings.stochastic);
+    const Options *options = &p->session->options;
+    const Settings *settings = &p->session->settings;
+    if (settings->stochastic)
+        return pipeline_solve(p, err);
+    const SolveOptions so = { .solver = (Solver)atomic_load(&live->control->solver),
+                              .tolerance = atomic_load(&live->control->tolerance),
+                              .max_iterations = settings->max_iterations,
+                              .threads = settings->threads, .centre = p->patches->centre,
+                              .normal = p->patches->normal, .relaxation = options->relaxation,
+                              .overshoot = options->overshoot, .trace = on_step,
+                              .trace_user = live };
+    if (!pipeline_light(p, err))
+        return false;
+    p->solution = solve(p->links, &p->problem, &so, &p->session->monitor, err);
+    if (p->solution == NULL)
+        return false;
+    return !live_must_end(live) || error_set(err, ERROR_STOPPED, "stopped");
+}
+
+static bool run_all(Live *live, Error *err)
+{
+    Pipeline *p = live->pipeline;
+    live_begin(live, "reading", STEP_READING);
+    if (!pipeline_read(p, err) || !pipeline_mesh(p, err) || !pipeline_camera(p, err) ||
+        !pipeline_patches(p, err) || !live_shoot(live, err))
+        return false;
+    live_begin(live, "links", STEP_SHOT);
+    p->watch = on_pass;
+    p->watch_user = live;
+    if (!pipeline_factors(p, err))
+        return false;
+    live_begin(live, "solving", STEP_LINKED);
+    if (!run_solver(live, err))
+        return false;
+    live->report.unshot = p->solution->unshot;
+    live->report.residual = p->solution->residual;
+    live->report.steps = p->solution->iterations;
+    live_begin(live, p->solution->converged ? "converged" : "stopped", STEP_SOLVED);
+    live->report.done = 1;
+    live_report(live);
+    const LiveLight light = { .radiosity = p->solution->radiosity,
+                              .irradiance = p->solution->irradiance,
+                              .direct = p->direct.irradiance, .visible_area = p->links->area,
+                              .links = p->links, .shooter = PATCH_NONE };
+    return live_publish(live, &light, err);
+}
+
+/* Everything anew, the scene's file too. */
+static void clear_all(Live *live)
+{
+    live->mesh = shown_mesh_leave(live->mesh);
+    live->patches = NULL;
+    pipeline_clear(live->pipeline);
+    live->begin = progress_now();
+    live->report = (Report){ .done = -1, .unshot = -1, .residual = -1, .left = -1 };
+}
+
+static void *run(void *user)
+{
+    Live *live = user;
+    Control *control = live->control;
+    bool on = true;
+    while (on) {
+        atomic_store(&control->restart, false);
+        clear_all(live);
+        run_all(live, &live->err);
+        if (live->err.code == ERROR_STOPPED && atomic_load(&control->restart))
+            live->err = (Error){ 0 };
+        on = !error_is_set(&live->err);
+        if (on && !atomic_load(&control->restart))
+            atomic_store(&control->finished, true);
+        while (on && !live_must_end(live))
+            rest();
+        atomic_store(&control->finished, false);
+        on = on && atomic_load(&control->restart) && !atomic_load(&control->quit);
+    }
+    live->mesh = shown_mesh_leave(live->mesh);
+    atomic_store(&control->failed, true);
+    return NULL;
+}
+
+bool live_start(Live *live, Pipeline *pipeline, Mailbox *mailbox, Control *control, Error *err)
+{
+    Session *session = pipeline->session;
+    *live = (Live){ .pipeline = pipeline, .mailbox = mailbox, .control = control,
+                    .outer = session->monitor };
+    session->monitor = (Monitor){ .user = live, .warn = live_warn, .progress = live_progress,
+                                  .stop = live_stop };
+    session->abrupt = true;
+    if (pthread_create(&live->thread, NULL, run, live) != 0)
+        return error_set(err, ERROR_FAILED, "no thread for the solver");
+    return true;
+}
+
+void live_join(Live *live)
+{
+    pthread_join(live->thread, NULL);
+    live->pipeline->session->monitor = live->outer;
+}

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* app/live.h -- the pipeline in a thread of its own, publishing what light there is so far.
+ *
+ * First direct light with an estimate of the rest, by a few rays; then light is shot from patch to
+ * patch by rays, the brightest first [cohen88]; then come links, patches divided where light
+ * changes, and the solver: each is seen. Then it rests until it is asked for more.
+ */
+#ifndef APP_LIVE_H
+#define APP_LIVE_H
+
+#include <pthread.h>
+
+#include "app/pipeline.h"
+#include "viewer/control.h"
+#include "viewer/snapshot.h"
+
+typedef struct {
+    Pipeline  *pipeline;
+    Mailbox   *mailbox;
+    Control   *control;
+    Monitor    outer;          /* the session's own, for warnings */
+    pthread_t  thread;
+    ShownMesh *mesh;           /* of `patches`, a reference; NULL: none yet */
+    const Patches *patches;
+    double     begin;          /* clock of progress_now */
+    double     stage_begin, published;
+    const char *doing;
+    Report     report;
+    uint64_t   rays_before;    /* of stages that are over */
+    ShownStep  step;
+    atomic_bool stepping;      /* a single step is under way */
+    int        exit_code;
+    Error      err;
+} Live;
+
+/* Begins; the session's monitor is the thread's until live_join.
+ * fails  false; ERROR_FAILED. */
+bool live_start(Live *live, Pipeline *pipeline, Mailbox *mailbox, Control *control, Error *err);
+/* Waits for the end, after control->quit. What went wrong is in live->err. */
+void live_join(Live *live);
+
+/* --- parts ------------------------------------------------------------------------------------ */
+
+/* Between two steps: waits while paused. False: it is to end. */
+bool live_step(Live *live);
+bool live_must_end(const Live *live);
+void live_begin(Live *live, const char *doing, ShownStep step);
+void live_report(Live *live);
+
+/* live_publish.c: whether it is time again, and doing it. */
+typedef struct {
+    const double *radiosity, *irradiance; /* [3 * patches]; the latter may be NULL */
+    const double *direct, *unshot;        /* the same */
+    const double *error;                  /* [patches], or NULL */
+    const double *visible_area;           /* [patches] */
+    const Links  *links;                  /* for row sums; NULL: none */
+    uint32_t      shooter;                /* patch, or PATCH_NONE */
+    const Vec3   *ray;                    /* [2 * ray_count] */
+    uint32_t      ray_count;
+} LiveLight;
+bool live_due(const Live *live);
+bool live_publish(Live *live, const LiveLight *light, Error *err);
+
+/* live_shoot.c: the first two of the stages above. */
+bool live_shoot(Live *live, Error *err);
+
+#endif

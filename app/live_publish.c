@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Light so far, put where the window takes it. */
+#include <assert.h>
+#include <string.h>
+
+#include "app/live.h"
+#include "base/array.h"
+
+/* More pictures a second are no use while they change, and each takes time from the solver. */
+static const double BETWEEN = 0.12;
+
+bool live_due(const Live *live)
+{
+    return progress_now() - live->published >= BETWEEN ||
+           atomic_load(&live->control->paused);
+}
+
+static bool take_mesh(Live *live, Error *err)
+{
+    const Pipeline *p = live->pipeline;
+    if (live->mesh != NULL && live->patches == p->patches)
+        return true;
+    live->mesh = shown_mesh_leave(live->mesh);
+    live->mesh = shown_mesh_create(p->scene, p->patches, p->emitting, &p->camera,
+                                   p->session->settings.threads, err);
+    live->patches = p->patches;
+    live->report.patches = p->patches->count;
+    return live->mesh != NULL;
+}
+
+static bool add_rows(Snapshot *s, const Links *links, Error *err)
+{
+    LinksScratch scratch;
+    const uint32_t count = s->mesh->patch_count;
+    s->row_sum = array_create(count, sizeof *s->row_sum, "row sums", err);
+    if (s->row_sum == NULL || !links_scratch_create(links, &scratch, err))
+        return false;
+    for (uint32_t i = 0; i < count; i++) {
+        const LinksRow row = links_row(links, i, &scratch);
+        double sum = (double)links->escape[i];
+        for (uint64_t k = 0; k < row.count; k++)
+            sum += (double)row.form_factor[k];
+        s->row_sum[i] = (float)sum;
+    }
+    links_scratch_clear(&scratch);
+    return true;
+}
+
+/* The error of a patch's irradiance is one number: the same in all bands. */
+static bool add_error(Snapshot *s, const double *error, Error *err)
+{
+    const uint32_t count = s->mesh->patch_count;
+    float *out = array_create(3 * (size_t)count, sizeof *out, "errors", err);
+    for (size_t i = 0; out != NULL && i < 3 * (size_t)count; i++)
+        out[i] = (float)error[i / 3];
+    s->layer[LAYER_ERROR] = out;
+    return out != NULL;
+}
+
+static bool add_rays(Snapshot *s, const LiveLight *light, Error *err)
+{
+    s->shooter = light->shooter;
+    s->ray = array_create(2 * (size_t)light->ray_count, sizeof *s->ray, "rays", err);
+    if (s->ray == NULL)
+        return false;
+    memcpy(s->ray, light->ray, 2 * (size_t)light->ray_count * sizeof *s->ray);
+    s->ray_count = light->ray_count;
+    return true;
+}
+
+bool live_publish(Live *live, const LiveLight *light, Error *err)
+{
+    assert(light->radiosity != NULL && light->visible_area != NULL);
+    if (!take_mesh(live, err))
+        return false;
+    Snapshot *s = snapshot_create(live->mesh, live->patches, light->visible_area,
+                                  light->radiosity, err);
+    if (s == NULL)
+        return false;
+    s->step = live->step;
+    if ((light->irradiance != NULL && !snapshot_layer(s, LAYER_IRRADIANCE, light->irradiance,
+                                                      err)) ||
+        (light->direct != NULL && !snapshot_layer(s, LAYER_DIRECT, light->direct, err)) ||
+        (light->unshot != NULL && !snapshot_layer(s, LAYER_UNSHOT, light->unshot, err)) ||
+        (light->error != NULL && !add_error(s, light->error, err)) ||
+        (light->links != NULL && !add_rows(s, light->links, err)) ||
+        (light->ray_count > 0 && !add_rays(s, light, err))) {
+        snapshot_destroy(s);
+        return false;
+    }
+    mailbox_put(live->mailbox, s);
+    live->published = progress_now();
+    return true;
+}

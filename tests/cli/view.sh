@@ -1,0 +1,99 @@
+#!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
+# The window, driven by scripts on a screen of its own: the same program, frames and pictures.
+. "$(dirname "$0")/tap.inc"
+make_cube "$DIR"
+cube=$DIR/cube.obj
+fast=(--patches 150 --rays 32 --no-adapt --threads 2)
+
+ok "the table of keys" exits 0 view --list-bindings
+ok "drags are in it" grep -q 'left drag  *orbit' "$DIR/out"
+unset DISPLAY WAYLAND_DISPLAY
+ok "no screen" fails 1 'no window' view "$cube" --progress none --frames 2 "${fast[@]}"
+
+# A screen of our own: X tells its number once it listens.
+if ! command -v Xvfb >/dev/null; then
+    echo "# Xvfb is missing (make deps): nothing with a window is tried"
+    finish
+    exit
+fi
+Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp 3>"$DIR/display" 2>"$DIR/xvfb" &
+screen=$!
+trap 'kill "$screen" 2>/dev/null; wait "$screen" 2>/dev/null; rm -rf "$DIR"' EXIT
+for ((i = 0; i < 300; i++)); do
+    [ -s "$DIR/display" ] && break
+    sleep 0.1
+done
+DISPLAY=:$(cat "$DIR/display")
+export DISPLAY
+export LIBGL_ALWAYS_SOFTWARE=1
+# What graphics drivers do not give back is not ours to report.
+export ASAN_OPTIONS=${ASAN_OPTIONS:-}:detect_leaks=0
+small=(--size 240x180 --progress none "${fast[@]}")
+
+ok "a missing scene is told before a window is" fails 3 'cannot' view "$DIR/none.obj" "${small[@]}"
+ok "some frames" exits 0 view "$cube" --frames 3 --screenshot "$DIR/frames.png" "${small[@]}"
+ok "and their picture" test -s "$DIR/frames.png"
+
+cat >"$DIR/all.txt" <<END
+# keys, mouse, panels
+wait lit
+screenshot $DIR/lit.png
+wait solved
+wait frames 2
+key Tab
+wait frames 2
+screenshot $DIR/solved.png
+click left 120 90
+double left 60 90
+drag left 120 90 140 80
+drag right 120 90 100 95
+drag middle 120 90 100 95
+wheel 2
+key Shift-1
+key Home
+key 1
+key F
+hold V 2
+hold W 3
+key Esc
+key M
+key P
+key P
+key P
+key N
+key L
+key T
+key E
+key Shift-E
+key A
+key ]
+key F1
+key Tab
+resize 300 200
+wait frames 3
+screenshot $DIR/panels.png
+key Ctrl-Q
+wait frames 5
+END
+ok "a script" exits 0 view "$cube" --script "$DIR/all.txt" "${small[@]}"
+for name in lit solved panels; do
+    ok "picture $name" test -s "$DIR/$name.png"
+done
+
+cat >"$DIR/steps.txt" <<END
+wait lit
+key Space
+wait frames 2
+key .
+key .
+key Ctrl-R
+wait solved
+END
+ok "pause, steps, from the beginning" exits 0 view "$cube" --script "$DIR/steps.txt" "${small[@]}"
+
+printf 'wait lit\ndance\n' >"$DIR/wrong.txt"
+ok "a wrong line" fails 3 "wrong.txt:2: what is 'dance'" view "$cube" --script "$DIR/wrong.txt" \
+    "${small[@]}"
+ok "no script" fails 3 'cannot be read' view "$cube" --script "$DIR/no.txt" "${small[@]}"
+finish

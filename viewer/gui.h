@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* viewer/gui.h -- panels with text, buttons and sliders: Dear ImGui behind plain C.
+ *
+ * Panels are described anew each frame, between gui_begin and gui_end. The window's events are
+ * handed over first. Threads: the one whose window is current.
+ */
+#ifndef VIEWER_GUI_H
+#define VIEWER_GUI_H
+
+#include <stdbool.h>
+
+#include "viewer/window.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* False when it cannot be had (the context is missing something). scale: of window_scale. */
+bool gui_create(double scale);
+void gui_destroy(void);
+
+void gui_event(const Event *event);
+/* Whether the pointer is over a panel, and whether keys go into one. */
+bool gui_has_mouse(void);
+bool gui_has_keys(void);
+
+void gui_begin(int width, int height, double seconds);
+/* Draws all panels over the picture. */
+void gui_end(void);
+
+/* --- panels ----------------------------------------------------------------------------------- */
+
+/* Places in pixels; width 0: as wide as it needs. Returns the y below it through gui_panel_end. */
+bool gui_panel(const char *title, double x, double y, double width);
+double gui_panel_end(void);
+/* A panel in the middle of the picture. */
+bool gui_overlay(const char *title, double width, double height);
+/* A line of text at the lower end of the picture. */
+void gui_notice(const char *text);
+
+void gui_text(const char *text);
+void gui_dim(const char *text);
+void gui_heading(const char *text);
+/* A name and what it is, in two columns. `column`: where the second begins, in letters. */
+void gui_row(const char *name, double column, const char *text);
+void gui_bar(double share, const char *text);
+void gui_same_line(void);
+bool gui_button(const char *name);
+bool gui_check(const char *name, bool *value);
+/* One of `count` names. */
+bool gui_choice(const char *name, int *chosen, const char *const *names, int count);
+/* format: of one double as printf takes it. */
+bool gui_slider(const char *name, double *value, double low, double high, const char *format,
+                bool logarithmic);
+bool gui_colour(const char *name, double rgb[3]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

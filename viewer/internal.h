@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* viewer/internal.h -- the window's state, shared by the files of this folder. */
+#ifndef VIEWER_INTERNAL_H
+#define VIEWER_INTERNAL_H
+
+#include "viewer/bindings.h"
+#include "viewer/gl.h"
+#include "viewer/script.h"
+#include "viewer/viewer.h"
+#include "viewer/window.h"
+
+enum { STORED_VIEWS = 9 };
+
+typedef struct {
+    bool   down[BUTTON_COUNT];
+    bool   key[KEY_MOST];
+    bool   over_panel;     /* where the button went down: the movement belongs to it */
+    double x, y;           /* pointer */
+    double press_x, press_y, press_time;
+    double click_time;     /* of the last click, for double ones */
+    bool   flying;         /* without a button */
+} Pointer;
+
+typedef struct Viewer {
+    const ViewerOptions *options;
+    Mailbox    *mailbox;
+    Control    *control;
+    Window     *window;
+    Gl         *gl;
+    Script     *script;        /* NULL: none */
+    Snapshot   *shown;         /* NULL: nothing yet */
+    GlView      view;
+    bool        automatic;     /* exposure follows what is seen */
+    bool        exposure_due;  /* it must be found again */
+    bool        panels, help;
+    bool        close, dirty;  /* dirty: the picture is not what it should be any more */
+    bool        at_home;       /* the camera was never set */
+    uint32_t    camera_number;
+    Camera      stored[STORED_VIEWS];
+    bool        is_stored[STORED_VIEWS];
+    Pointer     pointer;
+    Vec3        picked_at;
+    Report      report;
+    char        notice[256];
+    double      notice_until;
+    double      last_frame, frame_seconds; /* the latter a running mean */
+    uint32_t    frame;
+    char        screenshot[4096]; /* to be made of this frame; "": none */
+} Viewer;
+
+/* --- input.c ---------------------------------------------------------------------------------- */
+void input_event(Viewer *viewer, const Event *event);
+/* Flying, once a frame. */
+void input_fly(Viewer *viewer, double seconds);
+void viewer_act(Viewer *viewer, Action action, int key);
+void viewer_say(Viewer *viewer, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* --- pick.c ----------------------------------------------------------------------------------- */
+
+/* The patch whose lit side is seen at a pixel; PATCH_NONE: none. *at: the place. */
+uint32_t pick(const Viewer *viewer, double x, double y, Vec3 *at);
+/* Exposure (EV) that puts what is seen at mid grey, lamps left out. */
+double pick_exposure(const Viewer *viewer);
+
+/* --- panels.c --------------------------------------------------------------------------------- */
+void panels_draw(Viewer *viewer);
+
+#endif

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* viewer/script.h -- keys and mouse from a file, so that tests and pictures drive the real window.
+ *
+ * One command a line; # begins a comment:
+ *   key NAME                 press and let go: key Shift-S
+ *   hold NAME N              hold a key for N frames
+ *   move X Y                 the pointer, in pixels from the upper left corner
+ *   click BUTTON X Y         left, right or middle; double BUTTON X Y
+ *   drag BUTTON X Y X2 Y2    over some frames
+ *   wheel N                  steps, away from you
+ *   resize W H
+ *   wait frames N | wait lit | wait shot | wait linked | wait solved
+ *   screenshot FILE          PNG of the next frame
+ */
+#ifndef VIEWER_SCRIPT_H
+#define VIEWER_SCRIPT_H
+
+#include "viewer/snapshot.h"
+#include "viewer/window.h"
+
+typedef struct Script Script;
+
+/* fails  NULL; ERROR_INPUT with file and line. */
+Script *script_read(const char *path, Error *err);
+Script *script_destroy(Script *script);
+
+/* What the window knows at the beginning of a frame. */
+typedef struct {
+    ShownStep step;         /* of what is shown */
+    bool      finished;     /* the solver has ended: nothing more is to come */
+} ScriptState;
+
+/* Does what is due before this frame. *screenshot: the name of a PNG to make of it, or NULL.
+ * Returns false when the script is through. fails  false; a step that will never come. */
+bool script_advance(Script *script, const ScriptState *state, Window *window,
+                    const char **screenshot, Error *err);
+
+#endif

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Patches and lines. Light is linear; exposure, curve and sRGB are those of render/tonemap.c. */
+#include "viewer/shaders.h"
+
+#define TONE                                                                                       \
+    "uniform float scale; uniform int tone;\n"                                                     \
+    "vec3 curved(vec3 v) {\n"                                                                      \
+    "    const float knee = 0.25;\n"                                                               \
+    "    if (tone == 1) return min(v, vec3(1));\n"                                                 \
+    "    if (tone == 2) return min(v * (1 + v / 16) / (1 + v), vec3(1));\n"                        \
+    "    if (tone == 3) {\n"                                                                       \
+    "        const float a = 2.51 - 0.18 * 2.43, b = 0.03 - 0.18 * 0.59, c = -0.18 * 0.14;\n"      \
+    "        float grey = (-b + sqrt(b * b - 4 * a * c)) / (2 * a);\n"                             \
+    "        vec3 x = min(v, vec3(1e6)) * grey / 0.18;\n"                                          \
+    "        return min(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), vec3(1));\n"       \
+    "    }\n"                                                                                      \
+    "    vec3 bent = vec3(knee) + (1 - knee) * (1 - exp(-(v - knee) / (1 - knee)));\n"             \
+    "    return mix(v, bent, vec3(greaterThan(v, vec3(knee))));\n"                                 \
+    "}\n"                                                                                          \
+    "vec3 shown(vec3 light) {\n"                                                                   \
+    "    vec3 v = curved(max(light * scale, vec3(0)));\n"                                          \
+    "    vec3 high = 1.055 * pow(max(v, vec3(0.0031308)), vec3(1 / 2.4)) - 0.055;\n"               \
+    "    return mix(high, 12.92 * v, vec3(lessThanEqual(v, vec3(0.0031308))));\n"                  \
+    "}\n"
+
+const char *const shader_patch_vertex =
+    "#version 330 core\n"
+    "layout(location = 0) in vec3 place;\n"
+    "layout(location = 1) in vec3 light;\n"
+    "uniform mat4 matrix;\n"
+    "out vec3 smooth_light; out vec3 way;\n"
+    "void main() {\n"
+    "    smooth_light = light;\n"
+    "    way = place;\n"
+    "    gl_Position = matrix * vec4(place, 1);\n"
+    "}\n";
+
+const char *const shader_patch_fragment =
+    "#version 330 core\n"
+    TONE
+    "in vec3 smooth_light; in vec3 way; out vec4 colour;\n"
+    "uniform samplerBuffer patch_light; uniform usamplerBuffer patch_of;\n"
+    "uniform int flat_light; uniform int back; uniform int picked;\n"
+    "void main() {\n"
+    "    int number = int(texelFetch(patch_of, gl_PrimitiveID).r);\n"
+    "    if (back != 0) {\n"
+    "        vec3 n = normalize(cross(dFdx(way), dFdy(way)));\n"
+    "        float lit = 0.35 + 0.4 * abs(n.z) + 0.15 * abs(n.y) + 0.05 * abs(n.x);\n"
+    "        vec3 paint = back == 1 ? vec3(0.80, 0.10, 0.08) : vec3(0.32, 0.33, 0.35);\n"
+    "        bool stripe = back == 1 && mod(gl_FragCoord.x + gl_FragCoord.y, 12.0) < 3.0;\n"
+    "        colour = vec4(paint * lit * (stripe ? 0.7 : 1.0), 1);\n"
+    "        return;\n"
+    "    }\n"
+    "    vec3 c = shown(flat_light != 0 ? texelFetch(patch_light, number).rgb : smooth_light);\n"
+    "    if (number == picked) c = mix(c, vec3(1.0, 0.65, 0.1), 0.35);\n"
+    "    colour = vec4(c, 1);\n"
+    "}\n";
+
+const char *const shader_line_vertex =
+    "#version 330 core\n"
+    "layout(location = 0) in vec3 place;\n"
+    "uniform mat4 matrix; uniform float nearer;\n"
+    "void main() {\n"
+    "    gl_Position = matrix * vec4(place, 1);\n"
+    "    gl_Position.z -= nearer * gl_Position.w;\n"
+    "}\n";
+
+const char *const shader_line_fragment =
+    "#version 330 core\n"
+    "uniform vec4 paint; out vec4 colour;\n"
+    "void main() { colour = paint; }\n";

@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The window's loop: take what is new, handle events, draw when something has changed. */
+#include "viewer/viewer.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/array.h"
+#include "render/pixels.h"
+#include "viewer/gui.h"
+#include "viewer/internal.h"
+
+/* Without anything new the picture is still drawn this often: figures change. */
+static const double IDLE_SECONDS = 0.25;
+/* Frames follow each other no faster; while the solver works, it is to have most of the machine. */
+static const double LEAST_SECONDS = 1.0 / 60, WORKING_SECONDS = 1.0 / 20;
+/* Frame times are averaged over about ten. */
+static const double FRAME_WEIGHT = 0.1;
+
+/* --- begin and end ---------------------------------------------------------------------------- */
+
+static bool open_viewer(Viewer *viewer, Error *err)
+{
+    const ViewerOptions *options = viewer->options;
+    char title[512];
+    snprintf(title, sizeof title, "%.400s - isolux", options->scene);
+    if (options->script != NULL) {
+        viewer->script = script_read(options->script, err);
+        if (viewer->script == NULL)
+            return false;
+    }
+    viewer->window = window_create(title, options->width, options->height, err);
+    viewer->gl = viewer->window != NULL ? gl_create(err) : NULL;
+    if (viewer->gl == NULL)
+        return false;
+    if (!gui_create(window_scale(viewer->window)))
+        return error_set(err, ERROR_FAILED, "no window: OpenGL does not do for the panels");
+    return true;
+}
+
+static void close_viewer(Viewer *viewer, bool opened)
+{
+    if (opened)
+        gui_destroy();
+    gl_destroy(viewer->gl);
+    snapshot_destroy(viewer->shown);
+    script_destroy(viewer->script);
+    window_destroy(viewer->window);
+}
+
+/* --- a frame ---------------------------------------------------------------------------------- */
+
+/* The same patch in other patches is the one at the same place: nothing else is kept of it. */
+static void pick_again(Viewer *viewer, const ShownMesh *before)
+{
+    assert(viewer->shown != NULL);
+    const ShownMesh *mesh = viewer->shown->mesh;
+    if (viewer->view.picked == PATCH_NONE || before == mesh)
+        return;
+    const Vec3 at = viewer->picked_at;
+    uint32_t nearest = PATCH_NONE;
+    double least = INFINITY;
+    const ShownPatch *old = before != NULL && viewer->view.picked < before->patch_count
+                                ? &before->patch[viewer->view.picked] : NULL;
+    for (uint32_t i = 0; old != NULL && i < mesh->patch_count; i++) {
+        const ShownPatch *p = &mesh->patch[i];
+        const double d = vec3_length(vec3_sub(p->centre, at));
+        if (d < least && p->group == old->group && vec3_dot(p->normal, old->normal) > 0.5) {
+            least = d;
+            nearest = i;
+        }
+    }
+    viewer->view.picked = nearest;
+}
+
+static bool take_new(Viewer *viewer, Error *err)
+{
+    Snapshot *snapshot = mailbox_take(viewer->mailbox);
+    if (snapshot == NULL)
+        return true;
+    Snapshot *before = viewer->shown;
+    viewer->shown = snapshot;
+    pick_again(viewer, before != NULL ? before->mesh : NULL);
+    snapshot_destroy(before);
+    if (snapshot->layer[viewer->view.layer] == NULL)
+        viewer->view.layer = LAYER_RADIOSITY;
+    if (viewer->at_home)
+        viewer->view.camera = snapshot->mesh->camera[0];
+    viewer->at_home = false;
+    viewer->exposure_due = viewer->automatic;
+    viewer->dirty = true;
+    return gl_take(viewer->gl, snapshot, viewer->view.layer, err);
+}
+
+static void save_picture(Viewer *viewer, const char *path)
+{
+    Error err = { 0 };
+    const int w = viewer->view.width, h = viewer->view.height;
+    uint8_t *rgb = array_create(3 * (size_t)w, (size_t)h, "picture", &err);
+    if (rgb != NULL) {
+        gl_read(w, h, rgb);
+        pixels_write_png(rgb, w, h, path, &err);
+    }
+    array_free(rgb);
+    if (error_is_set(&err))
+        viewer_say(viewer, "%s", err.text);
+    else
+        viewer_say(viewer, "saved %s", path);
+}
+
+static void draw_frame(Viewer *viewer)
+{
+    const double now = window_time();
+    assert(viewer->view.width > 0 && viewer->view.height > 0);
+    if (viewer->exposure_due)
+        viewer->view.exposure = pick_exposure(viewer);
+    viewer->exposure_due = false;
+    gl_draw(viewer->gl, &viewer->view);
+    gui_begin(viewer->view.width, viewer->view.height, now - viewer->last_frame);
+    panels_draw(viewer);
+    gui_end();
+    if (viewer->last_frame > 0)
+        viewer->frame_seconds += (viewer->frame == 1 ? 1 : FRAME_WEIGHT) *
+                                 (now - viewer->last_frame - viewer->frame_seconds);
+    viewer->last_frame = now;
+    viewer->frame++;
+    viewer->dirty = false;
+}
+
+/* How long may pass before the next frame. */
+static double patience(const Viewer *viewer)
+{
+    const double since = window_time() - viewer->last_frame;
+    const bool working = !atomic_load(&viewer->control->finished);
+    const double rate = viewer->options->rate;
+    if (viewer->script != NULL)
+        return fmax(0, (working ? WORKING_SECONDS : 0) - since);
+    if (rate > 0)
+        return fmax(0, 1 / rate - since);
+    if (viewer->dirty || viewer->pointer.flying)
+        return fmax(0, LEAST_SECONDS - since);
+    return fmax(0, (working ? WORKING_SECONDS : IDLE_SECONDS) - since);
+}
+
+static bool run_script(Viewer *viewer, Error *err)
+{
+    const char *screenshot = NULL;
+    const ScriptState state = {
+        .step = viewer->shown != NULL ? viewer->shown->step : STEP_READING,
+        .finished = atomic_load(&viewer->control->finished),
+    };
+    if (viewer->script == NULL)
+        return true;
+    if (!script_advance(viewer->script, &state, viewer->window, &screenshot, err))
+        viewer->close = true;
+    if (screenshot != NULL)
+        snprintf(viewer->screenshot, sizeof viewer->screenshot, "%s", screenshot);
+    return !error_is_set(err);
+}
+
+static void handle_events(Viewer *viewer)
+{
+    Event event;
+    while (window_next(viewer->window, &event))
+        input_event(viewer, &event);
+    input_fly(viewer, window_time() - viewer->last_frame);
+}
+
+static bool one_frame(Viewer *viewer, Error *err)
+{
+    const ViewerOptions *options = viewer->options;
+    window_wait(viewer->window, patience(viewer));
+    if (!take_new(viewer, err) || !run_script(viewer, err))
+        return false;
+    handle_events(viewer);
+    control_read(viewer->control, &viewer->report);
+    window_size(viewer->window, &viewer->view.width, &viewer->view.height);
+    if (viewer->view.width < 1 || viewer->view.height < 1)
+        return true; /* minimised: nothing to draw on */
+    const bool due = window_time() - viewer->last_frame >= LEAST_SECONDS;
+    if (!due && !viewer->close && viewer->script == NULL && options->rate <= 0)
+        return true;
+    draw_frame(viewer);
+    if (viewer->screenshot[0] != '\0')
+        save_picture(viewer, viewer->screenshot);
+    viewer->screenshot[0] = '\0';
+    if (options->frames > 0 && viewer->frame >= options->frames)
+        viewer->close = true;
+    if (viewer->close && options->screenshot != NULL)
+        save_picture(viewer, options->screenshot);
+    window_show(viewer->window);
+    return true;
+}
+
+bool viewer_run(const ViewerOptions *options, Mailbox *mailbox, Control *control, Error *err)
+{
+    assert(options->width > 0 && options->height > 0);
+    Viewer viewer = { .options = options, .mailbox = mailbox, .control = control,
+                      .automatic = !options->exposure_set, .panels = !options->no_panels,
+                      .at_home = true, .dirty = true };
+    viewer.view = (GlView){ .exposure = options->exposure_set ? options->exposure : 0,
+                            .tone = options->tone, .picked = PATCH_NONE,
+                            .width = options->width, .height = options->height };
+    const bool opened = open_viewer(&viewer, err);
+    while (opened && !viewer.close && !error_is_set(err) && !atomic_load(&control->failed))
+        one_frame(&viewer, err);
+    atomic_store(&control->quit, true);
+    close_viewer(&viewer, opened);
+    return !error_is_set(err);
+}
