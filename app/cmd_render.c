@@ -155,8 +155,7 @@ bool cmd_render(Pipeline *pipeline, int *exit_code, Error *err)
     Names names = { .values = "" };
     assert(session->options.scene != NULL);
     const bool solved = session->options.renderer == RENDERER_GATHER;
-    if (!pipeline_path_allowed(&session->options, err) ||
-        (solved && !pipeline_accuracy_allowed(&session->options, err)))
+    if (solved && !pipeline_accuracy_allowed(&session->options, err))
         return false;
     if (!picture_names(&session->options, &names, err) || !pipeline_read(pipeline, err) ||
         !pipeline_mesh(pipeline, err) || !pipeline_camera(pipeline, err))

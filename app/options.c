@@ -7,6 +7,7 @@
 
 #include "app/film.h"
 #include "app/options.h"
+#include "app/options_agree.h"
 #include "radiosity/links.h"
 #include "radiosity/sides.h"
 #include "radiosity/solve.h"
@@ -311,7 +312,9 @@ static bool wrong_value(const OptionRow *row, const char *text, Error *err)
         [KIND_BOX] = "left,top,right,bottom in whole pixels like 100,50,300,200",
         [KIND_TEXTS] = "one of at most 64 changes",
         [KIND_EXPOSURE] = "a number of stops or auto",
+        [KIND_SHARE] = "a share like 1% or 0.01, above 0 and not above 1",
     };
+    assert((size_t)row->kind < sizeof forms / sizeof *forms && forms[row->kind] != NULL);
     return error_set(err, ERROR_USAGE, "%s '%s' is not %s", row->name, text, forms[row->kind]);
 }
 
@@ -323,7 +326,6 @@ static bool texts_add(TextList *list, const char *text)
     return true;
 }
 
-/* Stores the value; *field is the option's place in Options. */
 /* Left, top, right, bottom of whole pixels with something between them. */
 static bool is_box(const double box[4])
 {
@@ -334,6 +336,7 @@ static bool is_box(const double box[4])
     return box[0] < box[2] && box[1] < box[3];
 }
 
+/* Stores the value; *field is the option's place in Options. */
 static bool store_value(Options *options, const OptionRow *row, const char *text, Error *err)
 {
     void *field = (char *)options + row->offset;
@@ -447,30 +450,6 @@ static bool parse_option(Options *options, char **argv, int argc, int *at, Error
 }
 
 /* --- the whole line --------------------------------------------------------------------------- */
-
-static bool options_agree(const Options *options, Error *err)
-{
-    if (options->output != NULL && options->json != NULL && strcmp(options->output, "-") == 0 &&
-        strcmp(options->json, "-") == 0)
-        return error_set(err, ERROR_USAGE, "-o - and --json - cannot share standard output");
-    if (options_given(options, OPTION_PATCH_SIZE) && options_given(options, OPTION_PATCHES) &&
-        !options->adapt)
-        return error_set(err, ERROR_USAGE, "give --patch-size or --patches, not both, but for "
-                         "--adapt, which takes the greatest size and the total");
-    if (options->adapt && options->no_adapt)
-        return error_set(err, ERROR_USAGE, "give --adapt or --no-adapt, not both");
-    if (options->camera != NULL && options_given(options, OPTION_EYE))
-        return error_set(err, ERROR_USAGE, "give --camera or --eye, not both");
-    if (options_given(options, OPTION_TARGET) && !options_given(options, OPTION_EYE))
-        return error_set(err, ERROR_USAGE, "--target belongs to --eye");
-    if ((options->logarithmic || options->isolines) && options->false_colour == FILM_NONE)
-        return error_set(err, ERROR_USAGE, "--log and --isolines belong to --false-colour");
-    if (options->logarithmic && options_given(options, OPTION_RANGE) && !(options->range[0] > 0))
-        return error_set(err, ERROR_USAGE, "--log needs a --range above 0");
-    if (options_given(options, OPTION_UP) && !(vec3_length(options->up) > 0))
-        return error_set(err, ERROR_USAGE, "--up must not be 0,0,0");
-    return true;
-}
 
 bool options_parse(Options *options, int argc, char **argv, Error *err)
 {

@@ -8,30 +8,6 @@
 #include "app/pipeline_copies.h"
 #include "render/whitted.h"
 
-bool pipeline_path_allowed(const Options *options, Error *err)
-{
-    static const OptionId refused[] = { OPTION_CHECKPOINT, OPTION_RESUME, OPTION_FACTORS,
-                                        OPTION_SET, OPTION_CHANGES, OPTION_LIGHT_GROUPS,
-                                        OPTION_TRACE };
-    char word[32];
-    if (options_given(options, OPTION_DEPTH) && options->renderer != RENDERER_WHITTED)
-        return error_set(err, ERROR_USAGE, "--depth belongs to --renderer whitted");
-    const bool asked = options_given(options, OPTION_ACCURACY) ||
-                       options_given(options, OPTION_ERROR);
-    if (asked && options->renderer == RENDERER_WHITTED)
-        return error_set(err, ERROR_USAGE, "--renderer whitted has no error to be told or reached");
-    if (options->renderer == RENDERER_GATHER)
-        return true;
-    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
-        if (!options_given(options, refused[i]))
-            continue;
-        value_word(options_table()[OPTION_RENDERER].words, options->renderer, word, sizeof word);
-        return error_set(err, ERROR_USAGE, "%s needs a solution; --renderer %s makes none",
-                         options_table()[refused[i]].name, word);
-    }
-    return true;
-}
-
 static Image *whitted(Pipeline *pipeline, Error *err)
 {
     Session *session = pipeline->session;
@@ -39,7 +15,8 @@ static Image *whitted(Pipeline *pipeline, Error *err)
     const double *crop = options->crop, begin = progress_now();
     WhittedReport report;
     const WhittedOptions wo = { .width = pipeline->width, .height = pipeline->height,
-                                .samples = options->spp, .depth = options->depth,
+                                .samples = session->hurry ? 1 : options->spp,
+                                .depth = options->depth,
                                 .background = pipeline->scene->background,
                                 .ambient = pipeline->scene->ambient,
                                 .filter = (PixelFilter)options->pixel_filter,
@@ -49,7 +26,7 @@ static Image *whitted(Pipeline *pipeline, Error *err)
                                 .threads = session->settings.threads };
     Image *image = render_whitted(&pipeline->room, &pipeline->camera, &wo, &report,
                                   &session->monitor, err);
-    session->settings.spp = options->spp > 0 ? options->spp : 1;
+    session->settings.spp = wo.samples > 0 ? wo.samples : 1;
     pipeline->render.rays = report.rays;
     pipeline->render.seconds = report.seconds;
     pipeline_note(pipeline, STAGE_GATHER, begin);

@@ -5,10 +5,6 @@
 
 #include "app/pipeline.h"
 
-/* Refuses what is of no use without a solution: --checkpoint, --set and the like.
- * fails  false and ERROR_USAGE. */
-bool pipeline_path_allowed(const Options *options, Error *err);
-
 /* Sides and lamps alone, after pipeline_camera, and the picture.
  * owns   the caller frees the image.
  * fails  NULL; stopped: what there is and *err ERROR_STOPPED. */

@@ -60,6 +60,10 @@ static bool camera_options(Pipeline *pipeline, Error *err)
         camera->aperture = options->aperture / 2;
     if (options->focus > 0)
         camera->focus = options->focus;
+    if (options->focus > 0 && !(camera->aperture > 0))
+        return error_set(err, ERROR_USAGE, "--focus belongs to a lens: give --aperture");
+    if (options->view_height > 0 && camera->projection != CAMERA_ORTHOGRAPHIC)
+        return error_set(err, ERROR_USAGE, "--view-height belongs to --projection orthographic");
     const bool around = camera->projection == CAMERA_FISHEYE ||
                         camera->projection == CAMERA_PANORAMA;
     if (!around && camera->vertical_fov >= ALL_ROUND)

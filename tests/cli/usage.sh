@@ -38,6 +38,18 @@ ok "target without eye" fails 2 'belongs to --eye' render "$cube" --target 0,0,0
 ok "paths keep no tiles" fails 2 'renderer path makes none' render "$cube" --renderer path \
     --checkpoint 5s
 ok "depth of another renderer" fails 2 'belongs to --renderer whitted' render "$cube" --depth 3
+ok "a solver for paths" fails 2 'path makes none' render "$cube" --renderer path --solver cg
+ok "patches for plain rays" fails 2 'whitted makes none' render "$cube" --renderer whitted --adapt
+ok "two errors of paths" fails 2 'one error' render "$cube" --renderer path --error 1% --accuracy 1
+ok "a share" fails 2 'not a share like 1%' render "$cube" --error 200%
+ok "a factor of sor alone" fails 2 'to --solver sor' solve "$cube" --relaxation 1.2
+ok "shots of progressive alone" fails 2 'solver progressive' solve "$cube" --solver cg --overshoot
+ok "all solvers and one" fails 2 'runs them all' solve "$cube" --compare --solver cg
+ok "a range of nothing" fails 2 'false-colour' render "$cube" --range 1,2
+ok "a range without difference" fails 2 'that -o draws' compare a.exr b.exr --range 0,1
+ok "tone of false colours" fails 2 'does not go' develop a.exr --false-colour luminance --tone filmic
+ok "focus without a lens" fails 2 'belongs to a lens' render "$cube" --focus 3
+ok "height of a perspective" fails 2 'orthographic' render "$cube" --view-height 3
 ok "picture with a strange name" fails 2 'ends in .exr' render "$cube" -o "$DIR/x.jpg"
 ok "picture to standard output" fails 2 'needs a name' render "$cube" -o -
 ok "measure without points" fails 2 'needs --points' measure "$cube"
