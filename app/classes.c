@@ -29,6 +29,7 @@ void classes_clear(Classes *classes)
     array_free(classes->area);
     array_free(classes->error);
     array_free(classes->emissivity);
+    array_free(classes->row);
     *classes = (Classes){ 0 };
 }
 
@@ -200,7 +201,8 @@ bool classes_sum(const Pipeline *pipeline, FactorsBy by, Classes *classes, Error
                               : by == BY_GROUP         ? pipeline->patches->group
                                                        : pipeline->patches->material };
     *classes = (Classes){ 0 };
-    sums.row = array_create(sums.all, sizeof *sums.row, "matrix", err);
+    classes->row = array_create(sums.all, sizeof *sums.row, "matrix", err);
+    sums.row = classes->row;
     if (sums.row != NULL) {
         number_rows(pipeline, &sums, classes);
         if (allocate(pipeline, classes, err) && warn_unused(pipeline, by, &sums, err) &&
@@ -211,6 +213,5 @@ bool classes_sum(const Pipeline *pipeline, FactorsBy by, Classes *classes, Error
             add_all(pipeline, &sums, classes, err);
         }
     }
-    array_free(sums.row);
     return !error_is_set(err);
 }

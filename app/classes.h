@@ -16,6 +16,7 @@ typedef struct {
     double      *raw_sum, *raw_escape; /* [count]  the same of factors as cast */
     double      *error;      /* [count * count]  standard error of factor; NULL: not known */
     double      *emissivity; /* [count]  1 - reflectance (luminance), mean over the area */
+    uint32_t    *row;        /* [the scene's groups or materials]  PATCH_NONE: none */
     bool         open;       /* something escapes somewhere */
 } Classes;
 
@@ -24,6 +25,10 @@ typedef struct {
  * owns   the caller frees with classes_clear.
  * fails  false; ERROR_MEMORY. */
 bool classes_sum(const Pipeline *pipeline, FactorsBy by, Classes *classes, Error *err);
+/* Fills classes->error where patches were summed: the matrix of classes from each of LINKS_CASTS
+ * casts of all rows, and what these disagree by (radiosity/links_errors.h).
+ * fails  false; ERROR_MEMORY, ERROR_STOPPED. */
+bool classes_errors(const Pipeline *pipeline, FactorsBy by, Classes *classes, Error *err);
 void classes_clear(Classes *classes);
 
 #endif

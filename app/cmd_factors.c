@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "app/commands.h"
+#include "app/factors_again.h"
 #include "app/factors_files.h"
 #include "app/output.h"
 #include "app/per_group.h"
@@ -16,11 +17,12 @@ static const double NEARLY_ALL = 0.999;
 /* 20 degrees Celsius, where no temperature is given. */
 static const double ROOM_TEMPERATURE = 293.15;
 
-static bool write_by_patch(Pipeline *pipeline, const char *output, Error *err)
+static bool write_patches(Pipeline *pipeline, const LinksErrors *errors, const char *output,
+                          Error *err)
 {
     char matrix[4096], table[4096];
     if (output_ends(output, ".npz")) {
-        if (!factors_write_patches_npz(pipeline, output, err))
+        if (!factors_write_patches_npz(pipeline, errors, output, err))
             return false;
         session_say(pipeline->session, "isolux: %s -> %s", pipeline->session->options.scene,
                     output);
@@ -29,11 +31,22 @@ static bool write_by_patch(Pipeline *pipeline, const char *output, Error *err)
     if (!output_name(output, ".mtx", matrix, sizeof matrix, err) ||
         !output_name(output, ".csv", table, sizeof table, err))
         return false;
-    if (!factors_write_patches(pipeline, matrix, table, err))
+    if (!factors_write_patches(pipeline, errors, matrix, table, err))
         return false;
     session_say(pipeline->session, "isolux: %s -> %s, %s", pipeline->session->options.scene,
                 matrix, table);
     return true;
+}
+
+static bool write_by_patch(Pipeline *pipeline, const char *output, Error *err)
+{
+    const char *path = pipeline->session->options.errors;
+    LinksErrors *errors = path != NULL ? factors_patch_errors(pipeline, err) : NULL;
+    const bool good = (path == NULL || errors != NULL) &&
+                      write_patches(pipeline, errors, output, err) &&
+                      (path == NULL || factors_write_errors(errors, path, err));
+    links_errors_destroy(errors);
+    return good;
 }
 
 static bool write_matrix(const Options *options, const Classes *classes, const double *factor,
@@ -94,7 +107,9 @@ static bool write_by_class(Pipeline *pipeline, const char *output, Error *err)
     bool good = classes_sum(pipeline, (FactorsBy)options->by, &classes, err) &&
                 (options->emissivity == NULL ||
                  per_group_read(options->emissivity, classes.name, classes.count,
-                                classes.emissivity, err));
+                                classes.emissivity, err)) &&
+                (options->errors == NULL || classes.error != NULL ||
+                 classes_errors(pipeline, (FactorsBy)options->by, &classes, err));
     const ExchangeProblem problem = { .count = classes.count, .factor = classes.factor,
                                       .escape = classes.escape,
                                       .emissivity = classes.emissivity };
@@ -107,11 +122,8 @@ static bool write_by_class(Pipeline *pipeline, const char *output, Error *err)
     if (good && options->rows != NULL)
         good = factors_write_class_rows(&classes, (FactorsBy)options->by, options->rows, err);
     if (good && options->errors != NULL)
-        good = classes.error != NULL
-                   ? factors_write_csv(&classes, (FactorsBy)options->by, classes.error,
-                                       options->errors, err)
-                   : error_set(err, ERROR_USAGE, "standard errors are not known of factors that "
-                               "were summed from patches (--patches, --factors ...)");
+        good = factors_write_csv(&classes, (FactorsBy)options->by, classes.error, options->errors,
+                                 err);
     classes_clear(&classes);
     if (good)
         session_say(session, "isolux: %s -> %s", options->scene, output);
@@ -122,9 +134,9 @@ static bool options_fit(const Options *options, const char *output, Error *err)
 {
     if (options->by == BY_PATCH && strcmp(output, "-") == 0)
         return error_set(err, ERROR_USAGE, "--by patch writes two files; -o needs a name");
-    if (options->by == BY_PATCH && (options->rows != NULL || options->errors != NULL))
-        return error_set(err, ERROR_USAGE, "--rows and --errors are of groups or materials; --by "
-                         "patch writes row sums beside the matrix");
+    if (options->by == BY_PATCH && options->rows != NULL)
+        return error_set(err, ERROR_USAGE, "--rows is of groups or materials; --by patch writes "
+                         "row sums beside the matrix");
     if (options->by == BY_PATCH && options->exchange != EXCHANGE_NONE)
         return error_set(err, ERROR_USAGE, "--exchange is between groups or materials");
     if (options->exchange != EXCHANGE_FLUX && options->temperature != NULL)

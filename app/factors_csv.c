@@ -237,7 +237,14 @@ static double row_sum(const Links *links, uint32_t i, LinksScratch *scratch)
     return sum;
 }
 
-static bool write_patch_table(const Pipeline *pipeline, const char *path, Error *err)
+static void put_row_errors(FILE *out, const LinksErrors *errors, uint32_t i)
+{
+    fprintf(out, ",%.3g,%.3g,%.3g", spread_error(&errors->sum[i], errors->casts),
+            spread_error(&errors->escape[i], errors->casts), links_row_error(errors, i));
+}
+
+static bool write_patch_table(const Pipeline *pipeline, const LinksErrors *errors,
+                              const char *path, Error *err)
 {
     const Patches *p = pipeline->patches;
     const Polygons *soup = &pipeline->scene->polygons;
@@ -252,8 +259,9 @@ static bool write_patch_table(const Pipeline *pipeline, const char *path, Error 
         outfile_discard(file);
         return false;
     }
-    fputs("patch,group,material,surface,side,area,visible_area,x,y,z,nx,ny,nz,escaped,"
-          "row_sum,raw_row_sum,raw_escaped\n", out);
+    fprintf(out, "patch,group,material,surface,side,area,visible_area,x,y,z,nx,ny,nz,escaped,"
+            "row_sum,raw_row_sum,raw_escaped%s\n",
+            errors != NULL ? ",row_sum_error,escaped_error,standard_error" : "");
     for (uint32_t i = 0; i < p->count; i++) {
         char centre[PLACE_TEXT];
         fprintf(out, "%" PRIu32 ",", i + 1);
@@ -261,19 +269,46 @@ static bool write_patch_table(const Pipeline *pipeline, const char *path, Error 
         fputc(',', out);
         csv_text(out, soup->materials[p->material[i]].name);
         place_text(pipeline->scene, p->centre[i], 9, centre);
-        fprintf(out, ",%" PRIu32 ",%s,%.9g,%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n",
+        fprintf(out, ",%" PRIu32 ",%s,%.9g,%.9g,%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g",
                 p->surface[i], p->side[i] == 0 ? "front" : "back", p->area[i], links->area[i],
                 centre,
                 p->normal[i].x, p->normal[i].y, p->normal[i].z, (double)links->escape[i],
                 row_sum(links, i, &scratch), row_sum(raw, i, &scratch), (double)raw->escape[i]);
+        if (errors != NULL)
+            put_row_errors(out, errors, i);
+        fputc('\n', out);
     }
     links_scratch_clear(&scratch);
     return outfile_commit(file, err);
 }
 
-bool factors_write_patches(const Pipeline *pipeline, const char *matrix, const char *table,
-                           Error *err)
+bool factors_write_patches(const Pipeline *pipeline, const LinksErrors *errors, const char *matrix,
+                           const char *table, Error *err)
 {
     assert(pipeline->links != NULL && matrix != NULL && table != NULL);
-    return write_matrix(pipeline->links, matrix, err) && write_patch_table(pipeline, table, err);
+    return write_matrix(pipeline->links, matrix, err) &&
+           write_patch_table(pipeline, errors, table, err);
+}
+
+bool factors_write_errors(const LinksErrors *errors, const char *path, Error *err)
+{
+    OutFile *file = outfile_open(path, err);
+    if (file == NULL)
+        return false;
+    fprintf(outfile_stream(file), "%%%%MatrixMarket matrix coordinate real general\n"
+            "%% standard error of the form factor from the row's patch to the column's\n"
+            "%" PRIu32 " %" PRIu32 " %" PRIu64 "\n",
+            errors->count, errors->count, errors->begin[errors->count]);
+    Digits *d = digits_open(file, err);
+    for (uint32_t i = 0; d != NULL && i < errors->count; i++)
+        for (uint64_t k = errors->begin[i]; k < errors->begin[i + 1]; k++) {
+            const LinksPair *pair = &errors->pair[k];
+            digits_count(d, (uint64_t)i + 1);
+            digits_letter(d, ' ');
+            digits_count(d, (uint64_t)pair->source + 1);
+            digits_letter(d, ' ');
+            digits_number(d, links_pair_error(errors, pair));
+            digits_letter(d, '\n');
+        }
+    return digits_close(d, file, err);
 }

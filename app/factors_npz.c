@@ -124,6 +124,22 @@ static void read_rows(void *context, uint64_t at, void *buffer, size_t size)
     }
 }
 
+/* What independent casts say of each row. */
+static bool add_errors(Npz *npz, const LinksErrors *errors, Error *err)
+{
+    static const char *const name[] = { "row_sum_error", "escaped_error", "standard_error" };
+    for (int k = 0; errors != NULL && k < 3; k++) {
+        double *value = array_create(errors->count, sizeof *value, "standard errors", err);
+        for (uint32_t i = 0; value != NULL && i < errors->count; i++)
+            value[i] = k == 0   ? spread_error(&errors->sum[i], errors->casts)
+                       : k == 1 ? spread_error(&errors->escape[i], errors->casts)
+                                : links_row_error(errors, i);
+        if (!npz_give(npz, name[k], "<f8", errors->count, 0, value, err))
+            return false;
+    }
+    return true;
+}
+
 static bool add_matrix(Npz *npz, const Links *links, RowStream stream[2], Error *err)
 {
     const size_t nonzeros = links->first[links->count];
@@ -138,7 +154,8 @@ static bool add_matrix(Npz *npz, const Links *links, RowStream stream[2], Error 
                     err);
 }
 
-bool factors_write_patches_npz(const Pipeline *pipeline, const char *path, Error *err)
+bool factors_write_patches_npz(const Pipeline *pipeline, const LinksErrors *errors,
+                               const char *path, Error *err)
 {
     const Links *links = pipeline->links;
     const int64_t shape[2] = { links->count, links->count };
@@ -149,7 +166,8 @@ bool factors_write_patches_npz(const Pipeline *pipeline, const char *path, Error
     const bool added =
         add_matrix(npz, links, stream, err) &&
         npz_add(npz, "shape", "<i8", 2, 0, shape, err) &&
-        npz_add(npz, "format", "|S3", SIZE_MAX, 0, "csr", err) && add_patches(npz, pipeline, err);
+        npz_add(npz, "format", "|S3", SIZE_MAX, 0, "csr", err) && add_patches(npz, pipeline, err) &&
+        add_errors(npz, errors, err);
     const bool good = npz_commit(npz, err) && added;
     links_scratch_clear(&stream[0].scratch);
     links_scratch_clear(&stream[1].scratch);

@@ -190,7 +190,7 @@ static const OptionRow option_rows[OPTION_COUNT] = {
     { OPTION_ROWS, "--rows", "FILE", COMMAND_FACTORS, KIND_TEXT, FIELD(rows), 0, 0, NULL,
       "CSV of areas, row sums and escaped shares, as used and as cast" },
     { OPTION_ERRORS, "--errors", "FILE", COMMAND_FACTORS, KIND_TEXT, FIELD(errors), 0, 0, NULL,
-      "CSV of the factors' standard errors" },
+      "standard errors of the factors: CSV, by patch Matrix Market" },
     { OPTION_EXCHANGE, "--exchange", "WHAT", COMMAND_FACTORS, KIND_CHOICE, FIELD(exchange), 0, 0,
       "none,gebhart,hottel,flux", "of heat between grey surfaces, instead of plain factors" },
     { OPTION_EMISSIVITY, "--emissivity", "LIST", COMMAND_FACTORS, KIND_TEXT, FIELD(emissivity), 0,

@@ -93,7 +93,8 @@ enum { SEED_ROWS = 0x726f7773, SEED_LAMPS = 0x6c616d70, SEED_LIGHTS = 0x6c697465
        SEED_SIDES = 0x73696465, SEED_PARTS = 0x70617274, SEED_ADAPT = 0x61647074,
        SEED_MIRRORS = 0x6d697272,
        SEED_GROUPS = 0x67727073,
-       SEED_POINTS = 0x706f696e };
+       SEED_POINTS = 0x706f696e,
+       SEED_AGAIN = 0x61676169 };
 
 /* Stands for a patch in seeds: where it lies, not its number, so that a patch keeps its rays when
  * others are divided. */
