@@ -9,6 +9,7 @@
 #define MOVING "Moving"
 #define SOLVER "Solver"
 #define LOOKING "Looking"
+#define MEASURING "Measuring"
 #define WINDOW "Pictures and window"
 
 static const Binding TABLE[] = {
@@ -38,7 +39,16 @@ static const Binding TABLE[] = {
     { LOOKING, ACTION_SHADING, 'P', 0, "P", "smooth, patches, wires" },
     { LOOKING, ACTION_OUTLINES, 'M', 0, "M", "outlines of patches" },
     { LOOKING, ACTION_BACKS, 'N', 0, "N", "back faces hidden, red, grey" },
-    { LOOKING, ACTION_NONE, 0, 0, "click", "read the patch there" },
+    { MEASURING, ACTION_NONE, 0, 0, "click", "read the patch there" },
+    { MEASURING, ACTION_NONE, 0, 0, "Shift-click", "keep that as a probe" },
+    { MEASURING, ACTION_FALSE_COLOUR, 'C', 0, "C", "false colours, and the panel of measuring" },
+    { MEASURING, ACTION_FALSE_LAYER, 'C', MOD_SHIFT, "Shift-C", "false colours of the next layer" },
+    { MEASURING, ACTION_FALSE_LOG, 'G', 0, "G", "legend linear, logarithmic" },
+    { MEASURING, ACTION_ISOLINES, 'I', 0, "I", "isolines along the legend's values" },
+    { MEASURING, ACTION_NONE, 0, 0, "drag the legend", "an end moves that end, the middle both" },
+    { MEASURING, ACTION_REGION, 'X', 0, "X, then drag", "least, mean, greatest of a region" },
+    { MEASURING, ACTION_PLANE, 'K', 0, "K", "work plane: Eav, Emin, U0" },
+    { MEASURING, ACTION_SAVE_CSV, 'S', MOD_CONTROL, "Ctrl-S", "probes and work plane to CSV" },
     { WINDOW, ACTION_SAVE_PNG, 'S', 0, "S", "save a PNG of the window" },
     { WINDOW, ACTION_PANELS, KEY_TAB, 0, "Tab", "panels away and back" },
     { WINDOW, ACTION_HELP, KEY_F1, 0, "F1", "these keys" },

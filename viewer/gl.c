@@ -19,13 +19,15 @@ static const float LINE_NEARER = 1.0f / (1 << 11);
 
 typedef enum { PATCH_PROGRAM, LINE_PROGRAM, PROGRAM_COUNT } ProgramId;
 typedef enum {
-    POSITIONS, LIGHT, CORNERS, EDGES, PATCH_OF, PATCH_LIGHT, RAYS, BUFFER_COUNT
+    POSITIONS, LIGHT, CORNERS, EDGES, PATCH_OF, PATCH_LIGHT, RAYS, PATCH_VALUE,
+    VERTEX_VALUE, BUFFER_COUNT
 } BufferId;
 
 struct Gl {
     GLuint program[PROGRAM_COUNT];
     GLuint buffer[BUFFER_COUNT];
-    GLuint patch_of, patch_light;   /* textures over buffers */
+    GLuint patch_of, patch_light, patch_value; /* textures over buffers */
+    GLuint colours;                 /* texture: the scale of false colours */
     GLuint faces, lines, rays;      /* vertex arrays */
     ShownMesh *mesh;                /* a reference to what the buffers hold */
     Vec3   middle;                  /* places are kept from here: floats are short */
@@ -87,6 +89,8 @@ Gl *gl_create(Error *err)
     glGenVertexArrays(1, &gl->rays);
     glGenTextures(1, &gl->patch_of);
     glGenTextures(1, &gl->patch_light);
+    glGenTextures(1, &gl->patch_value);
+    glGenTextures(1, &gl->colours);
     return error_is_set(err) ? gl_destroy(gl) : gl;
 }
 
@@ -102,6 +106,8 @@ Gl *gl_destroy(Gl *gl)
     glDeleteVertexArrays(1, &gl->rays);
     glDeleteTextures(1, &gl->patch_of);
     glDeleteTextures(1, &gl->patch_light);
+    glDeleteTextures(1, &gl->patch_value);
+    glDeleteTextures(1, &gl->colours);
     shown_mesh_leave(gl->mesh);
     array_free(gl->scratch);
     return array_free(gl);
@@ -115,11 +121,11 @@ static void fill(const Gl *gl, BufferId id, GLenum target, size_t bytes, const v
     glBufferData(target, (GLsizeiptr)bytes, data, GL_DYNAMIC_DRAW);
 }
 
-static void attribute(const Gl *gl, GLuint array, GLuint index, BufferId id)
+static void attribute(const Gl *gl, GLuint array, GLuint index, GLint numbers, BufferId id)
 {
     glBindVertexArray(array);
     glBindBuffer(GL_ARRAY_BUFFER, gl->buffer[id]);
-    glVertexAttribPointer(index, 3, GL_FLOAT, GL_FALSE, 0, NULL);
+    glVertexAttribPointer(index, numbers, GL_FLOAT, GL_FALSE, 0, NULL);
     glEnableVertexAttribArray(index);
 }
 
@@ -155,9 +161,9 @@ static bool take_mesh(Gl *gl, ShownMesh *mesh, Error *err)
     for (size_t i = 0; i < vertices; i++)
         put_place(gl, mesh->position[i], gl->scratch + 3 * i);
     fill(gl, POSITIONS, GL_ARRAY_BUFFER, 3 * vertices * sizeof(float), gl->scratch);
-    attribute(gl, gl->faces, 0, POSITIONS);
+    attribute(gl, gl->faces, 0, 3, POSITIONS);
     fill(gl, CORNERS, GL_ELEMENT_ARRAY_BUFFER, 3 * triangles * sizeof(uint32_t), mesh->corner);
-    attribute(gl, gl->lines, 0, POSITIONS);
+    attribute(gl, gl->lines, 0, 3, POSITIONS);
     fill(gl, EDGES, GL_ELEMENT_ARRAY_BUFFER, 2 * (size_t)mesh->edge_count * sizeof(uint32_t),
          mesh->edge);
     fill(gl, PATCH_OF, GL_TEXTURE_BUFFER, triangles * sizeof(uint32_t), mesh->triangle_patch);
@@ -173,7 +179,7 @@ static bool take_rays(Gl *gl, const Snapshot *snapshot, Error *err)
     for (size_t i = 0; i < ends; i++)
         put_place(gl, snapshot->ray[i], gl->scratch + 3 * i);
     fill(gl, RAYS, GL_ARRAY_BUFFER, 3 * ends * sizeof(float), gl->scratch);
-    attribute(gl, gl->rays, 0, RAYS);
+    attribute(gl, gl->rays, 0, 3, RAYS);
     gl->ray_count = snapshot->ray_count;
     return true;
 }
@@ -194,8 +200,33 @@ bool gl_take(Gl *gl, const Snapshot *snapshot, Layer layer, Error *err)
     over_buffer(gl, gl->patch_light, GL_RGBA32F, PATCH_LIGHT);
     fill(gl, LIGHT, GL_ARRAY_BUFFER, 3 * (size_t)gl->mesh->vertex_count * sizeof(float),
          snapshot->vertex);
-    attribute(gl, gl->faces, 1, LIGHT);
+    attribute(gl, gl->faces, 1, 3, LIGHT);
     gl->smooth = layer == LAYER_RADIOSITY;
+    glBindVertexArray(0);
+    return true;
+}
+
+/* NAN does not come through every card: what is not there is below all numbers. */
+static const float NOTHING = -3e38f;
+
+static void copy_values(const float *value, size_t count, float *out)
+{
+    for (size_t i = 0; i < count; i++)
+        out[i] = isnan(value[i]) ? NOTHING : value[i];
+}
+
+bool gl_take_values(Gl *gl, const float *patch, const float *vertex, Error *err)
+{
+    assert(gl->mesh != NULL);
+    const size_t patches = gl->mesh->patch_count, vertices = gl->mesh->vertex_count;
+    if (!reserve(gl, patches > vertices ? patches : vertices, err))
+        return false;
+    copy_values(patch, patches, gl->scratch);
+    fill(gl, PATCH_VALUE, GL_TEXTURE_BUFFER, patches * sizeof(float), gl->scratch);
+    over_buffer(gl, gl->patch_value, GL_R32F, PATCH_VALUE);
+    copy_values(vertex, vertices, gl->scratch);
+    fill(gl, VERTEX_VALUE, GL_ARRAY_BUFFER, vertices * sizeof(float), gl->scratch);
+    attribute(gl, gl->faces, 2, 1, VERTEX_VALUE);
     glBindVertexArray(0);
     return true;
 }
@@ -205,13 +236,44 @@ bool gl_take(Gl *gl, const Snapshot *snapshot, Layer layer, Error *err)
 static void draw_faces(const Gl *gl, const GlView *view, bool back)
 {
     const ProgramId p = PATCH_PROGRAM;
-    const bool flat = view->shading == SHADING_PATCHES || !gl->smooth;
+    const bool flat = view->shading == SHADING_PATCHES || (!gl->smooth && view->map == NULL);
     glUniform1i(uniform(gl, p, "back"), back ? (int)view->backs : 0);
     glUniform1i(uniform(gl, p, "flat_light"), flat);
     glEnable(GL_CULL_FACE);
     glCullFace(back ? GL_FRONT : GL_BACK);
     glBindVertexArray(gl->faces);
     glDrawElements(GL_TRIANGLES, (GLsizei)(3 * gl->mesh->triangle_count), GL_UNSIGNED_INT, NULL);
+}
+
+static void set_scale(const Gl *gl, const FalseMap *map)
+{
+    const ProgramId p = PATCH_PROGRAM;
+    uint8_t rgb[3 * FALSE_TEXELS];
+    double  tick[FALSE_TICKS];
+    float   place[FALSE_TICKS];
+    glUniform1i(uniform(gl, p, "falsely"), map != NULL);
+    glUniform1i(uniform(gl, p, "patch_value"), 2);
+    glUniform1i(uniform(gl, p, "colours"), 3);
+    if (map == NULL)
+        return;
+    false_map_texels(map, rgb);
+    glActiveTexture(GL_TEXTURE2);
+    glBindTexture(GL_TEXTURE_BUFFER, gl->patch_value);
+    glActiveTexture(GL_TEXTURE3);
+    glBindTexture(GL_TEXTURE_1D, gl->colours);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glTexImage1D(GL_TEXTURE_1D, 0, GL_RGB8, FALSE_TEXELS, 0, GL_RGB, GL_UNSIGNED_BYTE, rgb);
+    glTexParameteri(GL_TEXTURE_1D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_1D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_1D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    const FalseColour *scale = &map->scale;
+    const int count = scale->isolines ? false_colour_ticks(scale, FALSE_TICKS, tick) : 0;
+    for (int k = 0; k < count; k++)
+        place[k] = (float)false_colour_place(scale, tick[k]);
+    glUniform1i(uniform(gl, p, "ticks"), count);
+    glUniform1fv(uniform(gl, p, "tick"), count, place);
+    glUniform2f(uniform(gl, p, "range"), (float)scale->low, (float)scale->high);
+    glUniform1i(uniform(gl, p, "logarithmic"), scale->logarithmic);
 }
 
 static void draw_patches(const Gl *gl, const GlView *view, const float *matrix)
@@ -226,6 +288,7 @@ static void draw_patches(const Gl *gl, const GlView *view, const float *matrix)
                 view->picked == PATCH_NONE ? -1 : (int)view->picked);
     glUniform1i(uniform(gl, p, "patch_light"), 0);
     glUniform1i(uniform(gl, p, "patch_of"), 1);
+    set_scale(gl, view->map);
     glActiveTexture(GL_TEXTURE1);
     glBindTexture(GL_TEXTURE_BUFFER, gl->patch_of);
     glActiveTexture(GL_TEXTURE0);

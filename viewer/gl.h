@@ -7,6 +7,7 @@
 #define VIEWER_GL_H
 
 #include "render/image.h"
+#include "viewer/false_map.h"
 #include "viewer/snapshot.h"
 
 typedef enum { SHADING_SMOOTH, SHADING_PATCHES, SHADING_WIRES, SHADING_COUNT } Shading;
@@ -22,6 +23,7 @@ typedef struct {
     bool      outlines, rays; /* of patches; of the last shot */
     uint32_t  picked;         /* patch, or PATCH_NONE */
     Layer     layer;
+    const FalseMap *map;      /* false colours of gl_take_values; NULL: light */
 } GlView;
 
 typedef struct Gl Gl;
@@ -31,6 +33,8 @@ Gl *gl_create(Error *err);
 Gl *gl_destroy(Gl *gl);
 /* Takes what is to be shown: the mesh's buffers only when it is another mesh than before. */
 bool gl_take(Gl *gl, const Snapshot *snapshot, Layer layer, Error *err);
+/* Numbers for false colours, of patches and of vertices of the mesh taken; NAN: grey. */
+bool gl_take_values(Gl *gl, const float *patch, const float *vertex, Error *err);
 /* Clears and draws; nothing taken yet: only clears. */
 void gl_draw(Gl *gl, const GlView *view);
 /* The picture as it is now, rows from the top [3 * width * height]. */

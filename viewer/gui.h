@@ -54,6 +54,19 @@ bool gui_slider(const char *name, double *value, double low, double high, const 
                 bool logarithmic);
 bool gui_colour(const char *name, double rgb[3]);
 
+/* --- marks over the picture and below the panels, in pixels ------------------------------------ */
+
+typedef struct {
+    unsigned char r, g, b, a;
+} GuiInk;
+/* Where a text stands: its side at x, its middle height at y. */
+typedef enum { GUI_LEFT, GUI_MIDDLE, GUI_RIGHT } GuiSide;
+
+void gui_mark_box(double x0, double y0, double x1, double y1, GuiInk ink, bool filled);
+void gui_mark_line(double x0, double y0, double x1, double y1, GuiInk ink);
+void gui_mark_dot(double x, double y, double radius, GuiInk ink);
+void gui_mark_text(double x, double y, GuiSide side, const char *text, GuiInk ink);
+
 #ifdef __cplusplus
 }
 #endif

@@ -224,3 +224,39 @@ bool gui_colour(const char *name, double rgb[3])
         rgb[k] = (double)c[k];
     return changed;
 }
+
+/* --- marks ------------------------------------------------------------------------------------ */
+
+static ImU32 colour_of(GuiInk ink) { return IM_COL32(ink.r, ink.g, ink.b, ink.a); }
+
+void gui_mark_box(double x0, double y0, double x1, double y1, GuiInk ink, bool filled)
+{
+    ImDrawList *list = ImGui::GetBackgroundDrawList();
+    const ImVec2 lo((float)(x0 < x1 ? x0 : x1), (float)(y0 < y1 ? y0 : y1));
+    const ImVec2 hi((float)(x0 < x1 ? x1 : x0), (float)(y0 < y1 ? y1 : y0));
+    if (filled)
+        list->AddRectFilled(lo, hi, colour_of(ink));
+    else
+        list->AddRect(lo, hi, colour_of(ink), 0, 0, 1.5f);
+}
+
+void gui_mark_line(double x0, double y0, double x1, double y1, GuiInk ink)
+{
+    ImGui::GetBackgroundDrawList()->AddLine(ImVec2((float)x0, (float)y0),
+                                            ImVec2((float)x1, (float)y1), colour_of(ink), 1.5f);
+}
+
+void gui_mark_dot(double x, double y, double radius, GuiInk ink)
+{
+    ImGui::GetBackgroundDrawList()->AddCircleFilled(ImVec2((float)x, (float)y), (float)radius,
+                                                    colour_of(ink));
+}
+
+void gui_mark_text(double x, double y, GuiSide side, const char *text, GuiInk ink)
+{
+    ImDrawList *list = ImGui::GetBackgroundDrawList();
+    const ImVec2 size = ImGui::CalcTextSize(text);
+    const float left = (float)x - 0.5f * (float)side * size.x, top = (float)y - 0.5f * size.y;
+    list->AddText(ImVec2(left + 1, top + 1), IM_COL32(0, 0, 0, 220), text);
+    list->AddText(ImVec2(left, top), colour_of(ink), text);
+}

@@ -223,6 +223,7 @@ static void leave(Viewer *viewer)
 {
     viewer->help = viewer->pointer.flying = viewer->view.rays = false;
     viewer->view.picked = PATCH_NONE;
+    viewer->measuring.marking = viewer->measuring.has_region = false;
 }
 
 void viewer_act(Viewer *viewer, Action action, int key)
@@ -236,6 +237,8 @@ void viewer_act(Viewer *viewer, Action action, int key)
         next_layer(viewer);
     else if (action >= ACTION_BRIGHTER && action <= ACTION_BACKS)
         act_on_picture(viewer, action);
+    else if (action >= ACTION_FALSE_COLOUR && action <= ACTION_SAVE_CSV)
+        measuring_act(viewer, (int)action);
     else if (action == ACTION_FLY)
         viewer->pointer.flying = !viewer->pointer.flying;
     else if (action == ACTION_SAVE_PNG)
@@ -252,13 +255,16 @@ void viewer_act(Viewer *viewer, Action action, int key)
 
 /* --- mouse ------------------------------------------------------------------------------------ */
 
-static void click(Viewer *viewer, bool twice)
+static void click(Viewer *viewer, bool twice, bool keep)
 {
     Vec3 at;
+    Hit hit;
     const Pointer *p = &viewer->pointer;
-    const uint32_t patch = pick(viewer, p->x, p->y, &at);
+    const uint32_t patch = pick_hit(viewer, p->x, p->y, &hit, &at);
     viewer->view.picked = patch;
     viewer->picked_at = at;
+    if (patch != PATCH_NONE)
+        measuring_pick(viewer, hit.primitive, (double)hit.u, (double)hit.v, keep);
     if (twice && patch != PATCH_NONE) {
         viewer->view.camera.target = at;
         moved(viewer);
@@ -276,13 +282,21 @@ static void button(Viewer *viewer, const Event *event)
         p->over_panel = gui_has_mouse();
         p->press_x = event->x;
         p->press_y = event->y;
+        if (event->code == BUTTON_LEFT && !p->over_panel)
+            measuring_button(viewer, true, p->x, p->y);
         return;
     }
+    if (event->code == BUTTON_LEFT && measuring_button(viewer, false, p->x, p->y))
+        return;
     const bool still = hypot(event->x - p->press_x, event->y - p->press_y) < CLICK_PIXELS;
     if (!still || p->over_panel || event->code != BUTTON_LEFT || viewer->shown == NULL)
         return;
-    click(viewer, now - p->click_time < DOUBLE_SECONDS);
+    const bool there = hypot(event->x - p->click_x, event->y - p->click_y) < CLICK_PIXELS;
+    const bool keep = p->key[KEY_SHIFT] || (event->mods & MOD_SHIFT) != 0;
+    click(viewer, there && !keep && now - p->click_time < DOUBLE_SECONDS, keep);
     p->click_time = now;
+    p->click_x = event->x;
+    p->click_y = event->y;
 }
 
 static void drag(Viewer *viewer, double dx, double dy)
@@ -312,7 +326,8 @@ static void pointer_moved(Viewer *viewer, const Event *event)
     const double dx = event->x - p->x, dy = event->y - p->y;
     p->x = event->x;
     p->y = event->y;
-    if (viewer->shown != NULL && !p->over_panel)
+    if (viewer->shown != NULL && !p->over_panel &&
+        !measuring_move(viewer, event->x, event->y, dx, dy))
         drag(viewer, dx, dy);
 }
 

@@ -5,6 +5,7 @@
 
 #include "viewer/bindings.h"
 #include "viewer/gl.h"
+#include "viewer/measuring.h"
 #include "viewer/script.h"
 #include "viewer/viewer.h"
 #include "viewer/window.h"
@@ -17,7 +18,7 @@ typedef struct {
     bool   over_panel;     /* where the button went down: the movement belongs to it */
     double x, y;           /* pointer */
     double press_x, press_y, press_time;
-    double click_time;     /* of the last click, for double ones */
+    double click_time, click_x, click_y; /* of the last click, for double ones */
     bool   flying;         /* without a button */
 } Pointer;
 
@@ -40,6 +41,7 @@ typedef struct Viewer {
     bool        is_stored[STORED_VIEWS];
     Pointer     pointer;
     Vec3        picked_at;
+    Measuring   measuring;
     Report      report;
     char        notice[256];
     double      notice_until;
@@ -59,6 +61,8 @@ void viewer_say(Viewer *viewer, const char *format, ...) __attribute__((format(p
 
 /* The patch whose lit side is seen at a pixel; PATCH_NONE: none. *at: the place. */
 uint32_t pick(const Viewer *viewer, double x, double y, Vec3 *at);
+/* The same, and the triangle: hit->primitive. */
+uint32_t pick_hit(const Viewer *viewer, double x, double y, Hit *hit, Vec3 *at);
 /* Exposure (EV) that puts what is seen at mid grey, lamps left out. */
 double pick_exposure(const Viewer *viewer);
 

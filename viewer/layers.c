@@ -54,7 +54,7 @@ static Rgb band_values(const Snapshot *s, Layer layer, uint32_t patch)
     return rgb((double)v[0], (double)v[1], (double)v[2]);
 }
 
-static double layer_value(const Snapshot *s, ShownLayer layer, uint32_t i)
+double layer_value(const Snapshot *s, ShownLayer layer, uint32_t i)
 {
     const ShownPatch *patch = &s->mesh->patch[i];
     switch (layer) {

@@ -25,8 +25,10 @@ typedef enum {
 const char *layer_name(ShownLayer layer);
 /* "lm/m2", or its radiometric name; "" for shares of 1. */
 const char *layer_unit(ShownLayer layer, bool lux);
-/* Whether the snapshot has what the layer is made from. SHOWN_FACTORS: whether a patch is picked. */
+/* Whether the snapshot has what it is made from; SHOWN_FACTORS: whether a patch is picked. */
 bool layer_known(const Snapshot *snapshot, ShownLayer layer, bool picked);
+/* Of one patch; not of SHOWN_FACTORS. The layer must be known. */
+double layer_value(const Snapshot *snapshot, ShownLayer layer, uint32_t patch);
 /* out [mesh->patch_count]; factors: [patch_count] of layer_factors, for SHOWN_FACTORS alone. The
  * layer must be known. */
 void layer_fill(const Snapshot *snapshot, ShownLayer layer, const float *factors, float *out);

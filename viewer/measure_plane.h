@@ -3,9 +3,9 @@
  *
  * The rectangle covers the scene, or one group of it, in the plane across `up`, less a margin at
  * its rims. The distance between points is p = 0.2 * 5^(log10 d), d the longer side in metres, or
- * the shorter where the longer is twice as long or more [en12464-1]; each side is divided evenly into
- * the number of cells next to side / p, points stand in their middles. Points inside bodies (more
- * rays along the six axes end on a back than on a front) do not count.
+ * the shorter where the longer is twice as long or more [en12464-1]; each side is divided evenly
+ * into the number of cells next to side / p, points stand in their middles. Points inside bodies
+ * (more rays along the six axes end on a back than on a front) do not count.
  * Light    of the points from a snapshot: of lamps by their exact irradiance times the share of
  *          them that is seen, of lights by one ray, of all else by cosine-weighted rays that read
  *          the radiosity between vertices. More rays can be added at any time.

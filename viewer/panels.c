@@ -218,6 +218,9 @@ void panels_draw(Viewer *viewer)
         if (s != NULL && viewer->view.picked < s->mesh->patch_count)
             patch_panel(viewer, y, width);
     }
+    if (viewer->panels)
+        measuring_panel(viewer, scale);
+    measuring_marks(viewer, scale);
     if (viewer->help)
         help_overlay(scale, viewer->view.height);
     if (window_time() < viewer->notice_until)

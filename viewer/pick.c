@@ -12,7 +12,7 @@ static const double PI = 3.14159265358979323846;
 /* Faces seen from behind are passed; more of them than this in a row is a wall of them. */
 enum { PASSED_MOST = 64 };
 
-uint32_t pick(const Viewer *viewer, double x, double y, Vec3 *at)
+uint32_t pick_hit(const Viewer *viewer, double x, double y, Hit *hit, Vec3 *at)
 {
     const GlView *view = &viewer->view;
     assert(view->width > 0 && view->height > 0);
@@ -24,19 +24,24 @@ uint32_t pick(const Viewer *viewer, double x, double y, Vec3 *at)
     Ray ray = { .ox = (float)eye.x, .oy = (float)eye.y, .oz = (float)eye.z, .dx = (float)d.x,
                 .dy = (float)d.y, .dz = (float)d.z, .t_max = INFINITY };
     for (int k = 0; k < PASSED_MOST; k++) {
-        Hit hit;
-        if (!bvh_nearest(mesh->bvh, &ray, &hit))
+        if (!bvh_nearest(mesh->bvh, &ray, hit))
             return PATCH_NONE;
-        const uint32_t *c = mesh->corner + 3 * (size_t)hit.primitive;
+        const uint32_t *c = mesh->corner + 3 * (size_t)hit->primitive;
         const Vec3 a = mesh->position[c[0]];
         const Vec3 n = vec3_cross(vec3_sub(mesh->position[c[1]], a),
                                   vec3_sub(mesh->position[c[2]], a));
-        *at = vec3_mad(eye, (double)hit.t, d);
+        *at = vec3_mad(eye, (double)hit->t, d);
         if (vec3_dot(n, d) < 0)
-            return mesh->triangle_patch[hit.primitive];
-        ray.t_min = nextafterf(hit.t, INFINITY);
+            return mesh->triangle_patch[hit->primitive];
+        ray.t_min = nextafterf(hit->t, INFINITY);
     }
     return PATCH_NONE;
+}
+
+uint32_t pick(const Viewer *viewer, double x, double y, Vec3 *at)
+{
+    Hit hit;
+    return pick_hit(viewer, x, y, &hit, at);
 }
 
 double pick_exposure(const Viewer *viewer)

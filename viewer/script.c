@@ -82,7 +82,8 @@ static bool take_word(Step *step, char kind, int *numbers, char **rest, Error *e
     case 'K':
         return bindings_key(word, &step->code, &step->mods);
     case 'B':
-        step->code = index_of(word, buttons, BUTTON_COUNT);
+        step->mods = strncmp(word, "Shift-", 6) == 0 ? MOD_SHIFT : 0;
+        step->code = index_of(word + (step->mods != 0 ? 6 : 0), buttons, BUTTON_COUNT);
         return step->code >= 0;
     case 'S':
         return take_wait(step, word, rest);
@@ -160,8 +161,8 @@ static void push_move(Window *window, double x, double y)
 static void push_button(Window *window, const Step *step, double x, double y, bool down)
 {
     push_move(window, x, y);
-    window_push(window, &(Event){ .kind = EVENT_BUTTON, .code = step->code, .down = down,
-                                  .x = x, .y = y });
+    window_push(window, &(Event){ .kind = EVENT_BUTTON, .code = step->code, .mods = step->mods,
+                                  .down = down, .x = x, .y = y });
 }
 
 static void push_key(Window *window, const Step *step, bool down)

@@ -5,7 +5,7 @@
  *   key NAME                 press and let go: key Shift-S
  *   hold NAME N              hold a key for N frames
  *   move X Y                 the pointer, in pixels from the upper left corner
- *   click BUTTON X Y         left, right or middle; double BUTTON X Y
+ *   click BUTTON X Y         left, right or middle, or Shift-left ...; double BUTTON X Y
  *   drag BUTTON X Y X2 Y2    over some frames
  *   wheel N                  steps, away from you
  *   resize W H

@@ -23,22 +23,41 @@
     "    return mix(high, 12.92 * v, vec3(lessThanEqual(v, vec3(0.0031308))));\n"                  \
     "}\n"
 
+/* Places on the scale, and colours for them; isolines a pixel and a half wide. */
+#define FALSE_COLOUR                                                                               \
+    "uniform int logarithmic; uniform vec2 range; uniform sampler1D colours;\n"                    \
+    "uniform int ticks; uniform float tick[8];\n"                                                  \
+    "vec3 false_colour(float v) {\n"                                                               \
+    "    float t = logarithmic != 0 ? log(max(v, 1e-30) / range.x) / log(range.y / range.x)\n"     \
+    "                               : (v - range.x) / (range.y - range.x);\n"                      \
+    "    float wide = max(fwidth(t), 1e-7), line = 0;\n"                                           \
+    "    vec3 c = texture(colours, clamp(t, 0, 1)).rgb;\n"                                         \
+    "    for (int k = 0; k < ticks; k++)\n"                                                        \
+    "        line = max(line, 1 - smoothstep(0.5, 1.3, abs(t - tick[k]) / wide));\n"               \
+    "    if (v < -1e38) return vec3(0.3);\n"                                                       \
+    "    return mix(c, vec3(t < 0.55 ? 1.0 : 0.0), 0.65 * line);\n"                                \
+    "}\n"
+
 const char *const shader_patch_vertex =
     "#version 330 core\n"
     "layout(location = 0) in vec3 place;\n"
     "layout(location = 1) in vec3 light;\n"
+    "layout(location = 2) in float value;\n"
     "uniform mat4 matrix;\n"
-    "out vec3 smooth_light; out vec3 way;\n"
+    "out vec3 smooth_light; out vec3 way; out float smooth_value;\n"
     "void main() {\n"
     "    smooth_light = light;\n"
     "    way = place;\n"
+    "    smooth_value = value;\n"
     "    gl_Position = matrix * vec4(place, 1);\n"
     "}\n";
 
 const char *const shader_patch_fragment =
     "#version 330 core\n"
     TONE
-    "in vec3 smooth_light; in vec3 way; out vec4 colour;\n"
+    FALSE_COLOUR
+    "in vec3 smooth_light; in vec3 way; in float smooth_value; out vec4 colour;\n"
+    "uniform int falsely; uniform samplerBuffer patch_value;\n"
     "uniform samplerBuffer patch_light; uniform usamplerBuffer patch_of;\n"
     "uniform int flat_light; uniform int back; uniform int picked;\n"
     "void main() {\n"
@@ -52,6 +71,9 @@ const char *const shader_patch_fragment =
     "        return;\n"
     "    }\n"
     "    vec3 c = shown(flat_light != 0 ? texelFetch(patch_light, number).rgb : smooth_light);\n"
+    "    if (falsely != 0)\n"
+    "        c = false_colour(flat_light != 0 ? texelFetch(patch_value, number).r\n"
+    "                                         : smooth_value);\n"
     "    if (number == picked) c = mix(c, vec3(1.0, 0.65, 0.1), 0.35);\n"
     "    colour = vec4(c, 1);\n"
     "}\n";

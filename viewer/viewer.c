@@ -45,6 +45,7 @@ static void close_viewer(Viewer *viewer, bool opened)
     if (opened)
         gui_destroy();
     gl_destroy(viewer->gl);
+    measuring_clear(&viewer->measuring);
     snapshot_destroy(viewer->shown);
     script_destroy(viewer->script);
     window_destroy(viewer->window);
@@ -91,6 +92,7 @@ static bool take_new(Viewer *viewer, Error *err)
     viewer->at_home = false;
     viewer->exposure_due = viewer->automatic;
     viewer->dirty = true;
+    measuring_renew(viewer);
     return gl_take(viewer->gl, snapshot, viewer->view.layer, err);
 }
 
@@ -117,6 +119,8 @@ static void draw_frame(Viewer *viewer)
     if (viewer->exposure_due)
         viewer->view.exposure = pick_exposure(viewer);
     viewer->exposure_due = false;
+    viewer->dirty = false;
+    measuring_work(viewer);
     gl_draw(viewer->gl, &viewer->view);
     gui_begin(viewer->view.width, viewer->view.height, now - viewer->last_frame);
     panels_draw(viewer);
@@ -126,7 +130,6 @@ static void draw_frame(Viewer *viewer)
                                  (now - viewer->last_frame - viewer->frame_seconds);
     viewer->last_frame = now;
     viewer->frame++;
-    viewer->dirty = false;
 }
 
 /* How long may pass before the next frame. */
@@ -203,6 +206,7 @@ bool viewer_run(const ViewerOptions *options, Mailbox *mailbox, Control *control
     viewer.view = (GlView){ .exposure = options->exposure_set ? options->exposure : 0,
                             .tone = options->tone, .picked = PATCH_NONE,
                             .width = options->width, .height = options->height };
+    measuring_init(&viewer.measuring);
     const bool opened = open_viewer(&viewer, err);
     while (opened && !viewer.close && !error_is_set(err) && !atomic_load(&control->failed))
         one_frame(&viewer, err);
