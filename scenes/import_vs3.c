@@ -4,7 +4,9 @@
  * A surface becomes a polygon in a group of its name, one combined with another goes into that
  * one's group. Subsurfaces (windows in a wall) are cut out of their base, so that nothing lies
  * twice; so are null surfaces and masks, which cover their base: a mask and what it covers see
- * only each other, and neither is kept. Control lines are View3D's own affair and are passed over.
+ * only each other, and neither is kept. An obstruction (O) may end after its corners, for View3D
+ * reads no more of it: it is black then. Control lines are View3D's own affair and are passed over,
+ * and so are, as there, lines of transformations (X).
  */
 #include <assert.h>
 #include <ctype.h>
@@ -23,6 +25,9 @@ enum { PIECE_CORNERS = 24, SURFACE_NUMBERS = 13, LINE_MOST = 1024 };
 /* Parts of a surface further apart in area than this, relative, were not inside it. */
 static const double AREA_SLACK = 1e-6; /* files give six digits */
 
+/* What lies on a base is in its plane, but for digits that a file does not give: of its size. */
+static const double PLANE_SLACK = 1e-3;
+
 typedef struct {
     Vec3     corner[PIECE_CORNERS];
     unsigned count;
@@ -34,7 +39,8 @@ typedef struct {
     Piece    whole;
     uint32_t base, combined; /* numbers from 1, 0: none */
     double   emissivity;
-    bool     covered;       /* something lies on it */
+    uint32_t on_first, on_last; /* numbers of what lies on it, in order; 0: nothing does */
+    uint32_t on_next;       /* the next on the same base; 0: none */
     unsigned line;
 } Vs3Surface;
 
@@ -71,28 +77,44 @@ static bool whole_number(const Vs3Reader *r, const char **line, const char *what
     return true;
 }
 
+/* Subsurfaces come after their base, combined ones after the first; what is not there itself has no
+ * group to share, and is in none. */
+static bool check_others(const Vs3Reader *r, const Vs3Surface *s, Error *err)
+{
+    const size_t number = r->surface_count + 1;
+    if (s->base >= number || s->combined >= number)
+        return text_error(&r->text, err, "surface %zu names surface %u, which is not there yet",
+                          number, s->base >= number ? s->base : s->combined);
+    if (s->base > 0 && strchr("SO", r->surface[s->base - 1].type) == NULL)
+        return text_error(&r->text, err, "surface %zu lies on surface %u, a mask", number, s->base);
+    if (s->type == 'O' && s->base > 0)
+        return text_error(&r->text, err, "surface %zu, an obstruction, lies on another", number);
+    if (s->combined > 0 && s->type != 'S')
+        return text_error(&r->text, err, "surface %zu is no radiating one (S): it cannot be "
+                          "combined with another", number);
+    if (s->combined > 0 && r->surface[s->combined - 1].type != 'S')
+        return text_error(&r->text, err, "surface %zu is combined with surface %u, which is no "
+                          "radiating one (S)", number, s->combined);
+    return true;
+}
+
 /* base, combined, emissivity and name, which end the first line of a surface in both formats. */
 static bool read_ending(Vs3Reader *r, const char *line, Vs3Surface *s, Error *err)
 {
-    if (!whole_number(r, &line, "the base surface", &s->base, err) ||
-        !whole_number(r, &line, "the surface to combine with", &s->combined, err))
+    const char *rest = line;
+    const bool short_one = s->type == 'O' && text_word(&rest).length == 0;
+    s->emissivity = 1;
+    if (!short_one && (!whole_number(r, &line, "the base surface", &s->base, err) ||
+                       !whole_number(r, &line, "the surface to combine with", &s->combined, err)))
         return false;
-    if (!text_number(&r->text, &line, &s->emissivity) ||
-        !(s->emissivity > 0 && s->emissivity <= 1))
-        return text_error(&r->text, err, "the emissivity of surface %zu must be from 0 to 1",
+    if (!short_one && (!text_number(&r->text, &line, &s->emissivity) ||
+                       !(s->emissivity > 0 && s->emissivity <= 1)))
+        return text_error(&r->text, err, "the emissivity of surface %zu must be above 0, at most 1",
                           r->surface_count + 1);
     text_rest(line, s->name, sizeof s->name);
     if (s->name[0] == '\0')
         snprintf(s->name, sizeof s->name, "surface-%zu", r->surface_count + 1);
-    /* Subsurfaces come after their base, combined ones after the first. */
-    if (s->base > r->surface_count || s->combined > r->surface_count)
-        return text_error(&r->text, err, "surface %zu names surface %u, which is not there yet",
-                          r->surface_count + 1, s->base > r->surface_count ? s->base
-                                                                           : s->combined);
-    if (s->base > 0 && r->surface[s->base - 1].type != 'S' && r->surface[s->base - 1].type != 'O')
-        return text_error(&r->text, err, "surface %zu lies on surface %u, a mask",
-                          r->surface_count + 1, s->base);
-    return true;
+    return check_others(r, s, err);
 }
 
 static bool store_surface(Vs3Reader *r, const Vs3Surface *s, Error *err)
@@ -100,9 +122,13 @@ static bool store_surface(Vs3Reader *r, const Vs3Surface *s, Error *err)
     if (!array_reserve((void **)&r->surface, &r->surface_capacity, r->surface_count + 1,
                        sizeof *r->surface, "surfaces", err))
         return false;
-    if (s->base > 0)
-        r->surface[s->base - 1].covered = true;
     r->surface[r->surface_count++] = *s;
+    if (s->base > 0) {
+        Vs3Surface *base = &r->surface[s->base - 1];
+        const uint32_t number = (uint32_t)r->surface_count;
+        *(base->on_first == 0 ? &base->on_first : &r->surface[base->on_last - 1].on_next) = number;
+        base->on_last = number;
+    }
     return true;
 }
 
@@ -227,6 +253,7 @@ static bool read_line(Vs3Reader *r, const char *line, Error *err)
     case '/':
     case 'T':
     case 'C':
+    case 'X':
         return true;
     case '*':
     case 'E':
@@ -242,7 +269,7 @@ static bool read_line(Vs3Reader *r, const char *line, Error *err)
     case 'O':
         break;
     default:
-        return text_error(&r->text, err, "a line begins with '%.20s': T C F V S M N O E and ! are "
+        return text_error(&r->text, err, "a line begins with '%.20s': T C F V S M N O X E and ! are "
                           "known", line);
     }
     if (r->wanted > 0)
@@ -341,6 +368,18 @@ static bool cut_out(Vs3Reader *r, size_t *count, const Piece *cover, double leas
     return true;
 }
 
+static bool lies_in_plane(const Piece *base, const Piece *cover)
+{
+    const Vec3 normal = piece_normal(base); /* the length of twice an area: of size squared */
+    const double length = vec3_length(normal);
+    for (unsigned k = 0; k < cover->count; k++) {
+        const Vec3 way = vec3_sub(cover->corner[k], base->corner[0]);
+        if (!(fabs(vec3_dot(way, normal)) <= PLANE_SLACK * length * sqrt(length)))
+            return false;
+    }
+    return true;
+}
+
 /* Pieces of surface i less all that lies on it: the first *count entries of r->piece, some
  * empty. */
 static bool cut_surface(Vs3Reader *r, size_t i, size_t *count, Error *err)
@@ -354,12 +393,15 @@ static bool cut_surface(Vs3Reader *r, size_t i, size_t *count, Error *err)
         return text_error(&r->text, err, "surface %zu has no area", i + 1);
     if (!add_piece(r, count, &s->whole, 0, err))
         return false;
-    for (size_t k = i + 1; s->covered && k < r->surface_count; k++)
-        if (r->surface[k].base == i + 1) {
-            covered += piece_area(&r->surface[k].whole);
-            if (!cut_out(r, count, &r->surface[k].whole, least, err))
-                return false;
-        }
+    for (uint32_t k = s->on_first; k > 0; k = r->surface[k - 1].on_next) {
+        const Piece *cover = &r->surface[k - 1].whole;
+        if (!lies_in_plane(&s->whole, cover))
+            return text_error(&r->text, err, "surface %u, which lies on surface %zu, is not in its "
+                              "plane", k, i + 1);
+        covered += piece_area(cover);
+        if (!cut_out(r, count, cover, least, err))
+            return false;
+    }
     for (size_t k = 0; k < *count; k++)
         left += r->piece[k].count > 0 ? piece_area(&r->piece[k]) : 0;
     if (!(fabs(area - covered - left) <= AREA_SLACK * area))

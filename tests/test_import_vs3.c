@@ -115,6 +115,42 @@ static void masks_and_nulls_cover(void **state)
     }
 }
 
+/* Obstructions as View3D reads them: corners alone. Transformations are passed over. */
+static void obstructions_may_end_early(void **state)
+{
+    Bench *bench = *state;
+    Vec3 normal;
+    bench_text(bench, "o.vs3", "F 3\nX 1 2 3\nV 1 0 0 0\nV 2 1 0 0\nV 3 1 1 0\nV 4 0 1 0\n"
+               "S 1 1 2 3 4 0 0 .9 base\nO 2 1 2 3 0\nO 3 1 2 3 4 0 0 .5 plate\n");
+    Scene *scene = bench_scene(bench, "o.vs3");
+    const Polygons *soup = &scene->polygons;
+    assert_int_equal(soup->group_count, 3);
+    assert_float_equal(group_area(soup, "surface-2", &normal), 0.5, CLOSE);
+    assert_float_equal(soup->materials[soup->material[1]].reflectance.g, 0, CLOSE);
+    assert_float_equal(soup->materials[soup->material[2]].reflectance.g, 0.5, CLOSE);
+    scene_destroy(scene);
+    bench_text(bench, "p.vs3", "F 3a\nS 1 R 0 0 0.9 one\n0 0 0 0 0 2 1\nO 2 R\n0 0 1 0 0 2 3\n");
+    scene = bench_scene(bench, "p.vs3");
+    assert_float_equal(group_area(&scene->polygons, "surface-2", &normal), 6, CLOSE);
+    scene_destroy(scene);
+}
+
+/* Combined surfaces share the first one's group, chains of them too; subsurfaces of different bases
+ * stay with their own. */
+static void combined_share_a_group(void **state)
+{
+    Bench *bench = *state;
+    Vec3 normal;
+    bench_text(bench, "c.vs3", "F 3a\nS 1 R 0 0 .9 a\n0 0 0 180 0 2 2\n"
+               "S 2 R 0 1 .9 b\n3 0 0 180 0 3 3\nS 3 R 1 0 .9 c\n.5 .5 0 180 0 1 1\n"
+               "S 4 R 2 3 .9 d\n3.5 .5 0 180 0 1 1\nS 5 R 0 2 .9 e\n9 0 0 180 0 1 1\n");
+    Scene *scene = bench_scene(bench, "c.vs3");
+    assert_int_equal(scene->polygons.group_count, 2);
+    assert_float_equal(group_area(&scene->polygons, "a", &normal), 3 + 8 + 1, CLOSE);
+    assert_float_equal(group_area(&scene->polygons, "c", &normal), 1 + 1, CLOSE);
+    scene_destroy(scene);
+}
+
 static void what_makes_no_sense_is_refused(void **state)
 {
     Bench *bench = *state;
@@ -125,6 +161,11 @@ static void what_makes_no_sense_is_refused(void **state)
         V4 "S 1 1 2 3 4 1 0 .9 a\n", V4 "S 1 1 2 3 4 0 0 0 a\n", V4 "S 1 1 2 3 4 0 0 1.5 a\n",
         V4 "S 1 1 2 1 2 0 0 .9 a\n", V4 "N 1 1 2 3 4 0 0 .9 a\n", V4 "Q 1\n",
         V4 "V 5 2 0 0\nS 1 1 2 3 4 0 0 .9 a\nS 2 1 5 3 4 1 0 .9 b\n",
+        V4 "S 1 1 2 3 4 0 0 .9 a\nM 2 1 2 3 0 1 1 .9 b\n",
+        V4 "S 1 1 2 3 4 0 0 .9 a\nN 2 1 2 3 0 1 0 .9 b\nS 3 4 3 2 1 0 2 .9 c\n",
+        V4 "S 1 1 2 3 4 0 0 .9 a\nO 2 1 2 3 0 1 0 .9 b\n", V4 "S 1 1 2 3 4\n",
+        V4 "S 1 1 2 3 4 0 0 .9 a\nO 2 1 2 3\n", V4 "S 1 1 2 3 4 0 1 .9 a\n",
+        V4 "V 5 0 0 1\nV 6 1 0 1\nV 7 1 1 1\nS 1 1 2 3 4 0 0 .9 a\nS 2 5 6 7 0 1 0 .9 b\n",
         "F 3a\nS 1 X 0 0 .9 a\n0 0 0 0 0 1 1\n", "F 3a\nS 1 R 0 0 .9 a\n0 0 0 0\nS 2 R 0 0 .9 b\n",
         "F 3a\nS 1 R 0 0 .9 a\n0 0 0 0\nE\n", "F 3a\nS 1 R 0 0 .9 a\n0 0 0 0 0 1 x\n",
     };
@@ -140,6 +181,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(rectangles_by_azimuth_and_tilt, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(subsurfaces_are_cut_out, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(masks_and_nulls_cover, bench_open, bench_close),
+        cmocka_unit_test_setup_teardown(obstructions_may_end_early, bench_open, bench_close),
+        cmocka_unit_test_setup_teardown(combined_share_a_group, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(what_makes_no_sense_is_refused, bench_open, bench_close),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
