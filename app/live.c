@@ -114,7 +114,7 @@ static void on_step(void *user, const SolveStep *step)
     Error err = { 0 };
     const Pipeline *p = live->pipeline;
     const LiveLight light = { .radiosity = step->radiosity, .visible_area = p->links->area,
-                              .direct = p->direct.irradiance, .shooter = PATCH_NONE };
+                              .shooter = PATCH_NONE };
     const double tolerance = atomic_load(&live->control->tolerance);
     live->report.unshot = step->unshot;
     live->report.residual = step->residual;
@@ -174,7 +174,7 @@ static bool run_all(Live *live, Error *err)
     live_report(live);
     const LiveLight light = { .radiosity = p->solution->radiosity,
                               .irradiance = p->solution->irradiance,
-                              .direct = p->direct.irradiance, .visible_area = p->links->area,
+                              .visible_area = p->links->area,
                               .links = p->links, .shooter = PATCH_NONE };
     return live_publish(live, &light, err);
 }

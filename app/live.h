@@ -50,7 +50,7 @@ void live_report(Live *live);
 /* live_publish.c: whether it is time again, and doing it. */
 typedef struct {
     const double *radiosity, *irradiance; /* [3 * patches]; the latter may be NULL */
-    const double *direct, *unshot;        /* the same */
+    const double *direct, *unshot;        /* the same; direct NULL: from the links, if any */
     const double *error;                  /* [patches], or NULL */
     const double *visible_area;           /* [patches] */
     const Links  *links;                  /* for row sums; NULL: none */

@@ -28,6 +28,46 @@ static bool take_mesh(Live *live, Error *err)
     return live->mesh != NULL;
 }
 
+static Rgb *lamps_emission(const Live *live, Error *err)
+{
+    const uint32_t count = live->patches->count;
+    Rgb *emission = array_create(count, sizeof *emission, "direct light", err);
+    for (uint32_t i = 0; emission != NULL && i < count; i++)
+        emission[i] = room_emission(&live->pipeline->room, i);
+    return emission;
+}
+
+/* What comes straight from lamps by links, and what the solver got from outside: point lights;
+ * these are not known while patches are still divided. */
+static bool add_direct(const Live *live, Snapshot *s, const LiveLight *light, Error *err)
+{
+    const uint32_t count = s->mesh->patch_count;
+    const double *outside = live->pipeline->direct.irradiance;
+    LinksScratch scratch;
+    if (outside == NULL && live->pipeline->room.light_count > 0)
+        return true;
+    Rgb   *emission = lamps_emission(live, err);
+    float *out = array_create(3 * (size_t)count, sizeof *out, "direct light", err);
+    s->layer[LAYER_DIRECT] = out;
+    if (out == NULL || !links_scratch_create(light->links, &scratch, err)) {
+        array_free(emission);
+        return false;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        const LinksRow row = links_row(light->links, i, &scratch);
+        Rgb sum = rgb(0, 0, 0);
+        for (uint64_t k = 0; k < row.count; k++)
+            sum = rgb_mad(sum, (double)row.form_factor[k], emission[row.source[k]]);
+        const double band[3] = { sum.r, sum.g, sum.b };
+        for (size_t k = 0; k < 3; k++)
+            out[3 * (size_t)i + k] =
+                (float)(band[k] + (outside != NULL ? outside[3 * (size_t)i + k] : 0));
+    }
+    links_scratch_clear(&scratch);
+    array_free(emission);
+    return true;
+}
+
 static bool add_rows(Snapshot *s, const Links *links, Error *err)
 {
     LinksScratch scratch;
@@ -81,6 +121,7 @@ bool live_publish(Live *live, const LiveLight *light, Error *err)
     if ((light->irradiance != NULL && !snapshot_layer(s, LAYER_IRRADIANCE, light->irradiance,
                                                       err)) ||
         (light->direct != NULL && !snapshot_layer(s, LAYER_DIRECT, light->direct, err)) ||
+        (light->direct == NULL && light->links != NULL && !add_direct(live, s, light, err)) ||
         (light->unshot != NULL && !snapshot_layer(s, LAYER_UNSHOT, light->unshot, err)) ||
         (light->error != NULL && !add_error(s, light->error, err)) ||
         (light->links != NULL && !add_rows(s, light->links, err)) ||

@@ -54,7 +54,7 @@ bool gui_slider(const char *name, double *value, double low, double high, const 
                 bool logarithmic);
 bool gui_colour(const char *name, double rgb[3]);
 
-/* --- marks over the picture and below the panels, in pixels ------------------------------------ */
+/* --- marks over the picture and below the panels, in pixels ---------------------------------- */
 
 typedef struct {
     unsigned char r, g, b, a;
