@@ -23,11 +23,25 @@ bool pipeline_copies_allowed(const Pipeline *pipeline, Error *err)
                      options->scene, triangles, 1e-9 * FLAT_BYTES * triangles);
 }
 
+/* Rays are aimed at lamps among the scene's own faces alone. */
+static void warn_lamps(const Pipeline *pipeline)
+{
+    const Scene *scene = pipeline->scene;
+    size_t       lamps = 0;
+    for (size_t i = 0; i < scene->placement_count; i++)
+        lamps += rgb_max(scene->polygons.materials[scene->placements[i].material].emission) > 0;
+    if (lamps > 0)
+        monitor_warn(&pipeline->session->monitor, "lamps-by-chance", scene->file,
+                     "%zu meshes that give light are kept by reference: only paths that happen to "
+                     "meet them find their light, which is noisy; --instances flatten", lamps);
+}
+
 RoomCopies *pipeline_copies(Pipeline *pipeline, Error *err)
 {
     Session *session = pipeline->session;
     if (pipeline->scene->placement_count == 0)
         return NULL;
+    warn_lamps(pipeline);
     const double begin = progress_now();
     pipeline_begin(pipeline, STAGE_BVH);
     RoomCopies *copies = copies_create(&pipeline->room, pipeline->scene, &session->settings.repair,

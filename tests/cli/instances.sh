@@ -33,5 +33,9 @@ ok "no patches of references" fails 3 'by reference; patches need them flattened
 ok "nor to solve" fails 3 'renderer path' solve "$crowd" --instances keep
 ok "check" exits 0 check "$crowd" --instances keep
 ok "counts them" grep -q 'placed  *9 times one of 1 meshes.* 2380 triangles in all' "$DIR/out"
+sed '/^QUADRANGLE 4/d; s/BREPOBJ 3/BREPOBJ 4/' "$crowd" >"$DIR/lamps.msd"
+ok "lamps by reference" exits 0 render "$DIR/lamps.msd" --instances keep --renderer path --spp 1 \
+    --size 8x5 --progress plain -o "$DIR/l.exr"
+ok "their noise is told of" grep -q '4 meshes that give light.*lamps-by-chance' "$DIR/err"
 ok "a wrong word" fails 2 'instances' render "$crowd" --instances some
 finish
