@@ -6,6 +6,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "app/live_relight.h"
 #include "app/pipeline_stochastic.h"
 #include "base/array.h"
 
@@ -189,6 +190,26 @@ static void clear_all(Live *live)
     live->report = (Report){ .done = -1, .unshot = -1, .residual = -1, .left = -1 };
 }
 
+/* After all is solved: follows the knobs until it is to end. The stochastic solver has no links to
+ * relight by. */
+static void stay(Live *live)
+{
+    Relighting relighting;
+    const bool links = !live->pipeline->session->settings.stochastic;
+    bool good = !links || relighting_begin(&relighting, live, &live->err);
+    while (good && !live_must_end(live)) {
+        bool done = false;
+        if (links)
+            good = relighting_follow(&relighting, live, &done, &live->err);
+        if (!done)
+            rest();
+    }
+    if (links)
+        relighting_end(&relighting);
+    if (live->err.code == ERROR_STOPPED && atomic_load(&live->control->restart))
+        live->err = (Error){ 0 };
+}
+
 static void *run(void *user)
 {
     Live *live = user;
@@ -203,8 +224,9 @@ static void *run(void *user)
         on = !error_is_set(&live->err);
         if (on && !atomic_load(&control->restart))
             atomic_store(&control->finished, true);
-        while (on && !live_must_end(live))
-            rest();
+        if (on && !live_must_end(live))
+            stay(live);
+        on = !error_is_set(&live->err);
         atomic_store(&control->finished, false);
         on = on && atomic_load(&control->restart) && !atomic_load(&control->quit);
     }

@@ -50,6 +50,7 @@ static const Binding TABLE[] = {
     { MEASURING, ACTION_PLANE, 'K', 0, "K", "work plane: Eav, Emin, U0" },
     { MEASURING, ACTION_SAVE_CSV, 'S', MOD_CONTROL, "Ctrl-S", "probes and work plane to CSV" },
     { WINDOW, ACTION_SAVE_PNG, 'S', 0, "S", "save a PNG of the window" },
+    { WINDOW, ACTION_CHANGE, 'U', 0, "U", "lamps and paint: change them" },
     { WINDOW, ACTION_PANELS, KEY_TAB, 0, "Tab", "panels away and back" },
     { WINDOW, ACTION_HELP, KEY_F1, 0, "F1", "these keys" },
     { WINDOW, ACTION_LEAVE, KEY_ESCAPE, 0, "Esc", "leave a mode" },

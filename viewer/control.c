@@ -9,10 +9,15 @@ void control_init(Control *control)
     assert(control != NULL);
     *control = (Control){ .report = { .doing = "reading", .done = -1, .unshot = -1,
                                       .residual = -1, .left = -1 } };
+    knobs_init(&control->knobs);
     pthread_mutex_init(&control->lock, NULL);
 }
 
-void control_clear(Control *control) { pthread_mutex_destroy(&control->lock); }
+void control_clear(Control *control)
+{
+    knobs_clear(&control->knobs);
+    pthread_mutex_destroy(&control->lock);
+}
 
 void control_report(Control *control, const Report *report)
 {

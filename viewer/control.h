@@ -12,6 +12,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "viewer/knobs.h"
+
 typedef struct {
     const char *doing;      /* "reading", "shooting", ...; static */
     double      done;       /* share of that, 0..1; < 0: not known */
@@ -31,6 +33,7 @@ typedef struct {
     _Atomic double tolerance;
     atomic_bool failed;     /* the solver's thread has ended with an error: close */
     atomic_bool finished;   /* nothing is left to do */
+    Knobs       knobs;
     pthread_mutex_t lock;
     Report      report;     /* under the lock */
 } Control;

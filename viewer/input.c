@@ -243,6 +243,8 @@ void viewer_act(Viewer *viewer, Action action, int key)
         viewer->pointer.flying = !viewer->pointer.flying;
     else if (action == ACTION_SAVE_PNG)
         ask_for_png(viewer);
+    else if (action == ACTION_CHANGE)
+        viewer->changing = !viewer->changing;
     else if (action == ACTION_PANELS)
         viewer->panels = !viewer->panels;
     else if (action == ACTION_HELP)

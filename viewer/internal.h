@@ -34,6 +34,7 @@ typedef struct Viewer {
     bool        automatic;     /* exposure follows what is seen */
     bool        exposure_due;  /* it must be found again */
     bool        panels, help;
+    bool        changing;      /* lamps and paint are open */
     bool        close, dirty;  /* dirty: the picture is not what it should be any more */
     bool        at_home;       /* the camera was never set */
     uint32_t    camera_number;

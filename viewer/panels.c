@@ -192,6 +192,51 @@ static void patch_panel(const Viewer *viewer, double y, double width)
     gui_panel_end();
 }
 
+/* Numbers beside the names keep apart what is called alike. */
+static void knob_sliders(Viewer *viewer, const ShownMesh *mesh, bool paint)
+{
+    Knobs *knobs = &viewer->control->knobs;
+    for (uint32_t k = 0; k < mesh->knob_count; k++) {
+        const Knob *knob = &mesh->knob[k];
+        char name[64];
+        double value = knobs_value(knobs, k);
+        if ((knob->kind == KNOB_PAINT) != paint)
+            continue;
+        snprintf(name, sizeof name, "%.16s##%u", knob->name[0] != '\0' ? knob->name : "-", k);
+        if (gui_slider(name, &value, 0, paint ? 1.5 : 4, "x %.2f", false))
+            knobs_turn(knobs, k, fmax(0, value));
+    }
+}
+
+static void reset_knobs(Knobs *knobs, uint32_t count)
+{
+    for (uint32_t k = 0; k < count; k++)
+        knobs_turn(knobs, k, 1);
+}
+
+/* Lamps and paint, where measuring is else. */
+static void knobs_panel(Viewer *viewer, double width, double gap)
+{
+    const ShownMesh *mesh = viewer->shown->mesh;
+    Knobs *knobs = &viewer->control->knobs;
+    if (gui_panel("Lamps and paint", viewer->view.width - width - gap, gap, width)) {
+        if (viewer->shown->step < STEP_SOLVED)
+            gui_dim("light follows once it is solved for");
+        gui_heading("Light");
+        knob_sliders(viewer, mesh, false);
+        gui_heading("Reflectance");
+        knob_sliders(viewer, mesh, true);
+        if (gui_button("As in the scene"))
+            reset_knobs(knobs, mesh->knob_count);
+        gui_same_line();
+        if (gui_button("Save changes")) {
+            atomic_store(&knobs->save, true);
+            viewer_say(viewer, "saved to SCENE-changes.json, which --changes reads");
+        }
+    }
+    gui_panel_end();
+}
+
 static void help_overlay(double scale, int height)
 {
     size_t count;
@@ -218,7 +263,9 @@ void panels_draw(Viewer *viewer)
         if (s != NULL && viewer->view.picked < s->mesh->patch_count)
             patch_panel(viewer, y, width);
     }
-    if (viewer->panels)
+    if (viewer->panels && viewer->changing && s != NULL)
+        knobs_panel(viewer, width, 8);
+    else if (viewer->panels)
         measuring_panel(viewer, scale);
     measuring_marks(viewer, scale);
     if (viewer->help)

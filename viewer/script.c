@@ -3,6 +3,7 @@
 #include "viewer/script.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -171,23 +172,27 @@ static void push_key(Window *window, const Step *step, bool down)
                                   .down = down });
 }
 
-/* A click is down in one frame and up in the next, or panels would not see it; twice for two. */
+/* The pointer is there a frame before the button goes down, or panels would not know it; a click is
+ * down in one frame and up in the next; twice for two. */
 static bool click(const Step *step, double frame, Window *window)
 {
-    const double last = step->what == DO_DOUBLE ? 3 : 1;
-    push_button(window, step, step->number[0], step->number[1], (int)frame % 2 == 0);
+    const double last = step->what == DO_DOUBLE ? 4 : 2;
+    if (frame == 0)
+        push_move(window, step->number[0], step->number[1]);
+    else
+        push_button(window, step, step->number[0], step->number[1], (int)frame % 2 == 1);
     return frame >= last;
 }
 
 static bool drag(const Step *step, double frame, Window *window)
 {
-    const double *n = step->number, t = frame / DRAG_FRAMES;
+    const double *n = step->number, t = fmax(0, frame - 1) / DRAG_FRAMES;
     const double x = n[0] + t * (n[2] - n[0]), y = n[1] + t * (n[3] - n[1]);
-    if (frame == 0 || frame >= DRAG_FRAMES)
-        push_button(window, step, x, y, frame == 0);
+    if (frame == 1 || t >= 1)
+        push_button(window, step, x, y, frame == 1);
     else
         push_move(window, x, y);
-    return frame >= DRAG_FRAMES;
+    return t >= 1;
 }
 
 /* The step's share of this frame; whether it is through, and the next may follow. */

@@ -160,7 +160,8 @@ ShownMesh *shown_mesh_create(const Scene *scene, const Patches *patches, const u
     atomic_init(&mesh->references, 1);
     count_parts(patches, mesh);
     if (!take_room(mesh, err) || !copy_names(scene, mesh, err) ||
-        !copy_cameras(scene, camera, mesh, err) || !copy_lights(scene, mesh, err))
+        !copy_cameras(scene, camera, mesh, err) || !copy_lights(scene, mesh, err) ||
+        !knobs_list(scene, &mesh->knob, &mesh->knob_count, err))
         return shown_mesh_leave(mesh);
     fill_faces(patches, mesh);
     fill_patches(scene, patches, emitting, mesh);
@@ -195,6 +196,7 @@ ShownMesh *shown_mesh_leave(ShownMesh *mesh)
         array_free(mesh->group_name[i]);
     for (uint32_t i = 0; i < mesh->material_count; i++)
         array_free(mesh->material_name[i]);
+    knobs_free(mesh->knob, mesh->knob_count);
     array_free(mesh->group_name);
     array_free(mesh->material_name);
     return array_free(mesh);

@@ -13,6 +13,7 @@
 #include "mesh/patches.h"
 #include "raycast/bvh.h"
 #include "scenes/scene.h"
+#include "viewer/knobs.h"
 
 /* What a patch is, light apart. */
 typedef struct {
@@ -45,6 +46,8 @@ typedef struct {
     Vec3        up;
     char      **group_name, **material_name; /* [..count] */
     uint32_t    group_count, material_count;
+    Knob       *knob;           /* [knob_count]  what can be turned in the scene */
+    uint32_t    knob_count;
 } ShownMesh;
 
 /* camera: the first to be shown, before the scene's own; sides that emit as in Room.

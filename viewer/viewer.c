@@ -90,7 +90,8 @@ static bool take_new(Viewer *viewer, Error *err)
     if (viewer->at_home)
         viewer->view.camera = snapshot->mesh->camera[0];
     viewer->at_home = false;
-    viewer->exposure_due = viewer->automatic;
+    /* A lamp that is dimmed is to look dimmed. */
+    viewer->exposure_due = viewer->exposure_due || (viewer->automatic && !viewer->changing);
     viewer->dirty = true;
     measuring_renew(viewer);
     return gl_take(viewer->gl, snapshot, viewer->view.layer, err);
