@@ -140,7 +140,7 @@ static void gather_points(Eye *eye, const EyeSample *sample, uint32_t points, un
     }
     const WaveOptions wave = { .gather_rays = o->gather_rays, .lamp_rays = o->light_rays,
                                .lights = true, .clear = !o->diffuse_only,
-                               .lamp_shares = eye->lamp_shares, .guides = &eye->guides };
+                               .guides = &eye->guides };
     wave_gather(&eye->wave, points, gathered, &wave);
     for (uint32_t k = 0; k < points; k++) {
         const EyePoint *p = &eye->point[order[k]];

@@ -48,7 +48,6 @@ typedef struct {
     const RenderOptions *options; /* defaults filled in */
     const CameraRays    *camera;
     const FilterTable   *filter;
-    const double        *lamp_shares; /* where lamps are many */
     Guides   guides;
     Wave     wave;
     EyeRay   eye[WAVE_POINTS];

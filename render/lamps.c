@@ -91,18 +91,20 @@ static bool add_surface(Lamps *lamps, uint32_t index, unsigned side, Error *err)
     return add_facet(lamps, lamp, v, 3, err) && add_facet(lamps, lamp, second, 3, err);
 }
 
-/* Shares of power, running, for scenes with many lamps. */
-static bool sum_powers(Lamps *lamps, Error *err)
+static bool make_tree(Lamps *lamps, Error *err)
 {
-    lamps->below = array_create((size_t)lamps->count + 1, sizeof *lamps->below, "lamps", err);
-    if (lamps->below == NULL)
+    TreeLamp *item = array_create(lamps->count, sizeof *item, "lamps", err);
+    if (item == NULL)
         return false;
-    for (uint32_t i = 0; i < lamps->count; i++)
-        lamps->below[i + 1] = lamps->below[i] + lamps->lamp[i].strength * lamps->lamp[i].area;
-    for (uint32_t i = 1; i <= lamps->count; i++)
-        lamps->below[i] /= lamps->below[lamps->count] > 0 && i < lamps->count
-                               ? lamps->below[lamps->count] : lamps->below[i];
-    return true;
+    for (uint32_t i = 0; i < lamps->count; i++) {
+        const Lamp *lamp = &lamps->lamp[i];
+        item[i] = (TreeLamp){ .centre = lamp->centre, .radius = lamp->radius,
+                              .axis = lamp->facet.normal, .around = lamp->facet.count == 0,
+                              .strength = lamp->strength * lamp->area };
+    }
+    const bool ok = lamp_tree_init(&lamps->tree, item, lamps->count, err);
+    array_free(item);
+    return ok;
 }
 
 static bool index_surfaces(Lamps *lamps, Error *err)
@@ -127,10 +129,10 @@ bool lamps_init(Lamps *lamps, const Room *room, Error *err)
                 return false;
     for (uint32_t i = 0; i < lamps->count; i++)
         lamps->flat = lamps->flat && lamps->lamp[i].facet.count > 0;
-    const bool many = lamps->count > LAMPS_WEIGHED;
-    lamps->shared = many || !lamps->flat;
-    lamps->flat = lamps->flat && !many;
-    if (many && !sum_powers(lamps, err))
+    lamps->many = lamps->count > LAMPS_WEIGHED;
+    lamps->shared = lamps->many || !lamps->flat;
+    lamps->flat = lamps->flat && !lamps->many;
+    if (lamps->many && !make_tree(lamps, err))
         return false;
     return !lamps->shared || index_surfaces(lamps, err);
 }
@@ -138,7 +140,7 @@ bool lamps_init(Lamps *lamps, const Room *room, Error *err)
 void lamps_clear(Lamps *lamps)
 {
     array_free(lamps->lamp);
-    array_free(lamps->below);
+    lamp_tree_clear(&lamps->tree);
     array_free(lamps->first);
     *lamps = (Lamps){ 0 };
 }
@@ -165,29 +167,6 @@ static double lamp_weight(const Lamps *lamps, const Lamp *lamp, const Receiver *
     if (facet_height(&lamp->facet, at->point) <= lamps->room->offset)
         return 0;
     return lamp->strength * facet_irradiance(&lamp->facet, at->point, at->normal);
-}
-
-void lamps_aim(const Lamps *lamps, const Receiver *at, uint32_t receivers, double *below)
-{
-    assert(lamps->below != NULL && receivers > 0);
-    const double offset = lamps->room->offset;
-    below[0] = 0;
-    for (uint32_t i = 0; i < lamps->count; i++) {
-        const Lamp *lamp = &lamps->lamp[i];
-        double      weight = 0;
-        for (uint32_t k = 0; k < receivers; k++) {
-            const double height = lamp->facet.count > 0 ? facet_height(&lamp->facet, at[k].point)
-                                                        : lamp->radius;
-            const double distance = vec3_length(vec3_sub(lamp->centre, at[k].point));
-            if (height > offset)
-                weight += rough_weight(lamp, &at[k]) * height / (distance + lamp->radius);
-        }
-        below[i + 1] = below[i] + weight;
-    }
-    const double all = below[lamps->count], plain = all > 0 ? LAMPS_PLAIN : 1;
-    for (uint32_t i = 1; i < lamps->count; i++)
-        below[i] = (all > 0 ? (1 - plain) * below[i] / all : 0) + plain * lamps->below[i];
-    below[lamps->count] = 1;
 }
 
 /* Fills weight[0..count] with the weights' running sums; the last is their total. */
@@ -254,33 +233,33 @@ static double balance(const LampPlan *plan, double spread, double cosine)
     return ratio < CUTOFF ? 1 : 1 / (1 + ratio);
 }
 
-/* The shares to choose by where lamps are many; NULL where they are weighed one by one. */
-static const double *shares_of(const Lamps *lamps, const LampPlan *plan)
-{
-    return lamps->below != NULL && plan->below != NULL ? plan->below : lamps->below;
-}
-
 bool lamps_sample(const Lamps *lamps, const Receiver *at, const LampPlan *plan, double a, double b,
                   LampSample *out)
 {
-    double        weighed[LAMPS_WEIGHED + 1];
-    const double *below = lamps->below != NULL ? shares_of(lamps, plan) : weighed;
-    const double  total = lamps->below != NULL ? 1 : weigh(lamps, at, weighed);
+    double   below[LAMPS_WEIGHED + 1], x = a, chance = 0;
+    uint32_t k = LAMP_TREE_NONE;
+    const double total = lamps->many ? 1 : weigh(lamps, at, below);
     if (lamps->count == 0 || !(total > 0))
         return false;
-    double x = a * total;
-    const uint32_t k = pick(below, lamps->count, &x);
+    if (lamps->many) {
+        k = lamp_tree_choose(&lamps->tree, at->point, at->normal, &x, &chance);
+    } else {
+        x *= total;
+        k = pick(below, lamps->count, &x);
+        chance = (below[k + 1] - below[k]) / total;
+    }
     *out = (LampSample){ .point = at->point, .normal = at->normal }; /* a lamp seen from behind */
+    out->value = out->control = rgb(0, 0, 0);
+    if (k == LAMP_TREE_NONE)
+        return true;
     const Lamp    *lamp = &lamps->lamp[k];
-    const double   chance = (below[k + 1] - below[k]) / total;
     const double   spread = lamp_point(lamps, lamp, at, x, b, out);
     const double   cosine = spread > 0 ? vec3_dot(vec3_unit(vec3_sub(out->point, at->point)),
                                                   at->normal)
                                        : 0;
-    out->value = rgb(0, 0, 0);
     if (cosine > 0) {
         double value = cosine * spread / chance;
-        if (lamps->below != NULL || lamp->facet.count == 0)
+        if (lamps->many || lamp->facet.count == 0)
             value *= balance(plan, spread / chance, cosine);
         out->value = rgb_scale(lamp->radiance, value);
     }
@@ -291,7 +270,7 @@ bool lamps_sample(const Lamps *lamps, const Receiver *at, const LampPlan *plan, 
             out->control =
                 rgb_mad(out->control, (below[i + 1] - below[i]) / lamps->lamp[i].strength,
                         lamps->lamp[i].radiance);
-    } else if (lamps->below == NULL && lamp->facet.count > 0) {
+    } else if (!lamps->many && lamp->facet.count > 0) {
         out->control = rgb_scale(lamp->radiance, total / lamp->strength);
     }
     return true;
@@ -311,12 +290,11 @@ static uint32_t lamp_of(const Lamps *lamps, const RoomHit *hit)
 }
 
 /* Chance that a lamp sample at the receiver goes to lamp k. */
-static double chance_of(const Lamps *lamps, const Receiver *at, const LampPlan *plan, uint32_t k)
+static double chance_of(const Lamps *lamps, const Receiver *at, uint32_t k)
 {
-    const double *shares = shares_of(lamps, plan);
-    double        below[LAMPS_WEIGHED + 1];
-    if (shares != NULL)
-        return shares[k + 1] - shares[k];
+    double below[LAMPS_WEIGHED + 1];
+    if (lamps->many)
+        return lamp_tree_chance(&lamps->tree, at->point, at->normal, k);
     const double total = weigh(lamps, at, below);
     return total > 0 ? (below[k + 1] - below[k]) / total : 0;
 }
@@ -339,9 +317,9 @@ double lamps_share(const Lamps *lamps, const Receiver *at, const LampPlan *plan,
                    const RoomHit *hit)
 {
     const uint32_t k = lamps->shared ? lamp_of(lamps, hit) : UINT32_MAX;
-    if (k == UINT32_MAX || (lamps->lamp[k].facet.count > 0 && lamps->below == NULL))
+    if (k == UINT32_MAX || (lamps->lamp[k].facet.count > 0 && !lamps->many))
         return 0;
-    const double chance = chance_of(lamps, at, plan, k);
+    const double chance = chance_of(lamps, at, k);
     const double spread = spread_of(lamps, &lamps->lamp[k], at, hit);
     const double cosine = vec3_dot(vec3_unit(vec3_sub(hit->point, at->point)), at->normal);
     if (!(chance > 0) || !(spread > 0) || !(cosine > 0))

@@ -4,8 +4,9 @@
  * A lamp is a flat facet or a curved surface, one side of it. With few lamps each receiving point
  * weighs them by what they would send there if nothing were in the way: for facets that is exact
  * (Lambert's formula), so one sample of one lamp, times the exact sum, has no noise where all is
- * lit or all is dark. Many lamps are chosen by shares for a whole place; then, and for curved lamps
- * always, hemisphere rays that hit a lamp count too, by multiple importance sampling [veach95].
+ * lit or all is dark. Many lamps are chosen by a tree of them (render/lamp_tree.h); then, and for
+ * curved lamps always, hemisphere rays that hit a lamp count too, by multiple importance sampling
+ * [veach95].
  * Threads  never changes once made.
  */
 #ifndef RENDER_LAMPS_H
@@ -14,6 +15,7 @@
 #include "math/light.h"
 #include "radiosity/room.h"
 #include "render/facet.h"
+#include "render/lamp_tree.h"
 
 /* The material of one side: a thin plate made of two faces may have two. */
 static inline const Material *lamps_material(const Room *room, uint32_t surface, unsigned side)
@@ -22,7 +24,7 @@ static inline const Material *lamps_material(const Room *room, uint32_t surface,
     return &room->materials[side == 0 ? s->material : s->back_material];
 }
 
-/* Up to so many lamps are weighed at each point; more are chosen by shares for a whole place. */
+/* Up to so many lamps are weighed at each point; more are chosen by the tree. */
 enum { LAMPS_WEIGHED = 64 };
 
 typedef struct {
@@ -40,8 +42,8 @@ typedef struct {
     const Room *room;
     Lamp       *lamp;    /* [count] */
     uint32_t    count, capacity;
-    double     *below;   /* [count + 1]  power of the lamps before, shares of 1; NULL up to
-                            LAMPS_WEIGHED of them */
+    LampTree    tree;
+    bool        many;    /* more than LAMPS_WEIGHED: the tree is there */
     uint32_t   *first;   /* [2 * surfaces->count]  side * count + surface -> its first lamp, the
                             others follow; or UINT32_MAX. NULL when `shared` is false */
     bool        shared;  /* hemisphere rays that hit lamps count */
@@ -63,16 +65,9 @@ typedef struct {
     Rgb  value, control;
 } LampSample;
 
-/* Many lamps only: shares for points around the receivers, running, into below[count + 1]: what the
- * lamps send there if nothing is in the way, roughly, and LAMPS_PLAIN of it by power alone. */
-#define LAMPS_PLAIN 0.125
-void lamps_aim(const Lamps *lamps, const Receiver *at, uint32_t receivers, double *below);
-
-/* How a receiver's light is sampled: how many rays of each kind, for their weights, and the shares
- * of many lamps (NULL: by power). */
+/* How a receiver's light is sampled: how many rays of each kind, for their weights. */
 typedef struct {
-    double        lamp_rays, gather_rays;
-    const double *below;
+    double lamp_rays, gather_rays;
 } LampPlan;
 
 /* Chooses by (a, b) in [0,1)^2. false: no lamp can light the receiver at all. */

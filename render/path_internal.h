@@ -5,11 +5,12 @@
 
 #include "radiosity/room.h"
 #include "render/internal.h"
+#include "render/lamp_tree.h"
 #include "render/path.h"
 
 /* --- path_lamps.c: all that emits, and the choice among it ----------------------------------- */
 
-/* Up to so many lamps are weighed by what they may send to a place; more are chosen by power. */
+/* Up to so many lamps are weighed by what they may send to a place; more by a tree. */
 enum { PATH_WEIGHED = 32 };
 
 /* A side that emits, or a light without size. */
@@ -21,13 +22,15 @@ typedef struct {
     double       area;
     Vec3         centre;
     double       radius;  /* of a ball around it */
+    Vec3         axis;    /* if `flat`: unit, the way it shines */
+    bool         flat;
 } PathLamp;
 
 typedef struct {
     const Room *room;
     PathLamp   *lamp;     /* [count] */
     uint32_t    count;
-    double     *below;    /* [count + 1]  running shares of power */
+    LampTree    tree;     /* of more than PATH_WEIGHED lamps */
     uint32_t   *of_side;  /* [2 * surfaces->count]  side * count + surface -> lamp, or UINT32_MAX */
 } PathLamps;
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The path tracer's lamps: a lamp by chance, a point of it uniform in area. */
 #include <assert.h>
+#include <float.h>
 
 #include "base/array.h"
 #include "math/sampling.h"
@@ -36,6 +37,18 @@ static double triangle_area(const Surfaces *s, uint32_t triangle)
                                   vec3_sub(corner_of(s, triangle, 2), a))) / 2;
 }
 
+/* The way that a triangle, or two that lie in a plane, faces. */
+static void set_axis(PathLamp *lamp, const Surfaces *s, const Surface *surface)
+{
+    const Vec3 normal = surfaces_normal(s, surface->primitive, 0, 0);
+    lamp->flat = triangles_of(surface) == 1;
+    lamp->axis = lamp->side == 0 ? normal : vec3_scale(normal, -1);
+    if (triangles_of(surface) == 2) {
+        const Vec3 other = surfaces_normal(s, surface->primitive + 1, 0, 0);
+        lamp->flat = vec3_length(vec3_sub(normal, other)) <= 4 * FLT_EPSILON;
+    }
+}
+
 static PathLamp surface_lamp(const Room *room, uint32_t index, unsigned side)
 {
     const Surfaces *s = room->surfaces;
@@ -54,6 +67,7 @@ static PathLamp surface_lamp(const Room *room, uint32_t index, unsigned side)
         }
         for (unsigned k = 0; k < triangles_of(surface); k++)
             lamp.area += triangle_area(s, surface->primitive + k);
+        set_axis(&lamp, s, surface);
     }
     lamp.centre = vec3_lerp(lo, hi, 0.5);
     lamp.radius = vec3_length(vec3_sub(hi, lo)) / 2;
@@ -73,13 +87,32 @@ static bool lists_create(PathLamps *lamps, size_t count, Error *err)
     if (count >= UINT32_MAX)
         return error_set(err, ERROR_INPUT, "more than %u lamps", UINT32_MAX - 1);
     lamps->lamp = array_create(count, sizeof *lamps->lamp, "lamps", err);
-    lamps->below = array_create(count + 1, sizeof *lamps->below, "lamps", err);
     lamps->of_side = array_create(sides, sizeof *lamps->of_side, "lamps", err);
     if (error_is_set(err))
         return false;
     for (size_t i = 0; i < sides; i++)
         lamps->of_side[i] = UINT32_MAX;
     return true;
+}
+
+static bool make_tree(PathLamps *lamps, Error *err)
+{
+    TreeLamp *item = array_create(lamps->count, sizeof *item, "lamps", err);
+    if (item == NULL)
+        return false;
+    for (uint32_t i = 0; i < lamps->count; i++) {
+        const PathLamp *lamp = &lamps->lamp[i];
+        item[i] = (TreeLamp){ .centre = lamp->centre, .radius = lamp->radius, .around = true };
+        item[i].strength = lamp->light != NULL ? strength(lamp->light->intensity)
+                                               : lamp->power / M_PI;
+        if (lamp->flat) {
+            item[i].around = false;
+            item[i].axis = lamp->axis;
+        }
+    }
+    const bool ok = lamp_tree_init(&lamps->tree, item, lamps->count, err);
+    array_free(item);
+    return ok;
 }
 
 bool path_lamps_init(PathLamps *lamps, const Room *room, Error *err)
@@ -103,18 +136,13 @@ bool path_lamps_init(PathLamps *lamps, const Room *room, Error *err)
             lamps->lamp[lamps->count++] =
                 (PathLamp){ .light = &room->lights[i], .centre = room->lights[i].position,
                             .power = strength(light_flux(&room->lights[i])) };
-    for (uint32_t i = 0; i < lamps->count; i++)
-        lamps->below[i + 1] = lamps->below[i] + lamps->lamp[i].power;
-    const double all = lamps->below[lamps->count];
-    for (uint32_t i = 1; i <= lamps->count; i++)
-        lamps->below[i] = i < lamps->count ? lamps->below[i] / all : 1;
-    return true;
+    return lamps->count <= PATH_WEIGHED || make_tree(lamps, err);
 }
 
 void path_lamps_clear(PathLamps *lamps)
 {
     array_free(lamps->lamp);
-    array_free(lamps->below);
+    lamp_tree_clear(&lamps->tree);
     array_free(lamps->of_side);
     *lamps = (PathLamps){ 0 };
 }
@@ -137,22 +165,19 @@ static double weight_of(const PathLamp *lamp, const PathPlace *from)
     return lamp->power * fmin(height / reach, 1) / (reach * reach);
 }
 
-/* Shares of the lamps, running, at a place: of few lamps those of their weights (into `own`), of
- * many those of their power. NULL: none sends anything. */
-static const double *shares_at(const PathLamps *lamps, const PathPlace *from,
-                               double own[PATH_WEIGHED + 1])
+/* Shares of few lamps, running, at a place: those of their weights. false: none sends anything. */
+static bool shares_at(const PathLamps *lamps, const PathPlace *from, double own[PATH_WEIGHED + 1])
 {
-    if (lamps->count > PATH_WEIGHED)
-        return lamps->below;
+    assert(lamps->count <= PATH_WEIGHED);
     own[0] = 0;
     for (uint32_t i = 0; i < lamps->count; i++)
         own[i + 1] = own[i] + weight_of(&lamps->lamp[i], from);
     const double all = own[lamps->count];
     if (!(all > 0) || !isfinite(all))
-        return NULL;
+        return false;
     for (uint32_t i = 1; i <= lamps->count; i++)
         own[i] = i < lamps->count ? own[i] / all : 1;
-    return own;
+    return true;
 }
 
 /* The lamp k with below[k] <= a < below[k + 1]. */
@@ -165,6 +190,32 @@ static uint32_t lamp_at(const double *below, uint32_t count, double a)
         *(a < below[middle] ? &high : &low) = middle;
     }
     return low;
+}
+
+/* Chooses a lamp by a in [0,1); *chance is 0 where none is found. */
+static uint32_t choose(const PathLamps *lamps, const PathPlace *from, double a, double *chance)
+{
+    double own[PATH_WEIGHED + 1];
+    *chance = 0;
+    if (lamps->count > PATH_WEIGHED) {
+        const uint32_t k = lamp_tree_choose(&lamps->tree, from->point, from->normal, &a, chance);
+        if (k == LAMP_TREE_NONE)
+            *chance = 0;
+        return k;
+    }
+    if (lamps->count == 0 || !shares_at(lamps, from, own))
+        return 0;
+    const uint32_t k = lamp_at(own, lamps->count, a);
+    *chance = own[k + 1] - own[k];
+    return k;
+}
+
+static double chance_of(const PathLamps *lamps, const PathPlace *from, uint32_t k)
+{
+    double own[PATH_WEIGHED + 1];
+    if (lamps->count > PATH_WEIGHED)
+        return lamp_tree_chance(&lamps->tree, from->point, from->normal, k);
+    return shares_at(lamps, from, own) ? own[k + 1] - own[k] : 0;
 }
 
 /* A point of a surface and the area that it stands for: 1 / density. */
@@ -196,21 +247,18 @@ static double surface_sample(const Surfaces *s, const PathLamp *lamp, double a, 
 
 bool path_lamps_aim(const PathLamps *lamps, const PathPlace *from, const float u[3], PathAim *aim)
 {
-    double        own[PATH_WEIGHED + 1];
-    const double *below = shares_at(lamps, from, own);
-    assert(lamps->below != NULL);
-    if (below == NULL || lamps->count == 0)
+    double         chance;
+    const uint32_t k = choose(lamps, from, u[0], &chance);
+    if (!(chance > 0))
         return false;
-    const uint32_t  k = lamp_at(below, lamps->count, u[0]);
     const PathLamp *lamp = &lamps->lamp[k];
-    const double    chance = below[k + 1] - below[k];
     *aim = (PathAim){ .point = lamp->centre };
     double area = 0;
     if (lamp->light == NULL)
         area = surface_sample(lamps->room->surfaces, lamp, u[1], u[2], &aim->point, &aim->normal);
     const Vec3   d = vec3_sub(aim->point, from->point);
     const double square = vec3_dot(d, d);
-    if (!(square > 0) || !(chance > 0))
+    if (!(square > 0))
         return false;
     aim->way = vec3_scale(d, 1 / sqrt(square));
     if (lamp->light != NULL) {
@@ -232,9 +280,7 @@ double path_lamps_density(const PathLamps *lamps, const PathPlace *from, const R
     const Surfaces *s = lamps->room->surfaces;
     assert(hit->surface < s->count && hit->side < 2);
     const uint32_t  k = lamps->of_side[hit->side * (size_t)s->count + hit->surface];
-    double          own[PATH_WEIGHED + 1];
-    const double   *below = shares_at(lamps, from, own);
-    if (k == UINT32_MAX || below == NULL)
+    if (k == UINT32_MAX)
         return 0;
     const PathLamp *lamp = &lamps->lamp[k];
     const Surface  *surface = &s->surface[hit->surface];
@@ -243,5 +289,5 @@ double path_lamps_density(const PathLamps *lamps, const PathPlace *from, const R
         area = shape_density(&s->shape[surface->primitive - s->triangle_count], hit->s, hit->t);
     const Vec3   d = vec3_sub(hit->point, from->point);
     const double square = vec3_dot(d, d), cosine = -vec3_dot(d, hit->normal) / sqrt(square);
-    return cosine > 0 && area > 0 ? (below[k + 1] - below[k]) * square / (cosine * area) : 0;
+    return cosine > 0 && area > 0 ? chance_of(lamps, from, k) * square / (cosine * area) : 0;
 }

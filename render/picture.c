@@ -39,7 +39,6 @@ typedef struct {
 
 typedef struct Worker {
     Eye      eye;
-    double  *lamp_shares;         /* [lamps + 1] where lamps are many */
     Receiver centre[TILE * TILE]; /* what the pixels' centres show */
     double   reach[TILE * TILE];  /* about the tile's width there */
     EyeSample sample[WAVE_POINTS];
@@ -107,25 +106,6 @@ static void render_pixel(const Render *render, Worker *worker, int x, int y)
 
 static int smaller(int a, int b) { return a < b ? a : b; }
 
-/* Receivers of a tile that decide which of many lamps matter there. */
-enum { AIM_RECEIVERS = 8 };
-
-static void aim_lamps(const Render *render, Worker *worker, uint32_t centres)
-{
-    Receiver       some[AIM_RECEIVERS];
-    const uint32_t n = centres < AIM_RECEIVERS ? centres : AIM_RECEIVERS;
-    const Lamps   *lamps = &render->gatherer->lamps;
-    if (worker->lamp_shares == NULL)
-        return;
-    if (n == 0) { /* not what the last tile left: that depends on threads */
-        memcpy(worker->lamp_shares, lamps->below, ((size_t)lamps->count + 1) * sizeof(double));
-        return;
-    }
-    for (uint32_t i = 0; i < n; i++)
-        some[i] = worker->centre[(2 * i + 1) * centres / (2 * n)];
-    lamps_aim(lamps, some, n, worker->lamp_shares);
-}
-
 /* Where records know the light there are too few rays for guides to be worth it. */
 static uint32_t rays_per_pixel(const RenderOptions *o)
 {
@@ -152,7 +132,6 @@ static void render_tile(const Render *render, Worker *worker, uint32_t tile)
     guides_train(&worker->eye.guides, &worker->eye.wave, worker->centre, worker->reach, centres,
                  rays_per_pixel(render->options),
                  sampling_seed(tile, 0, render->options->seed, 2));
-    aim_lamps(render, worker, centres);
     if (render->options->error > 0) {
         const RefineTile refine = { x0, y0, x1, y1, render->mean };
         render->samples[tile] = refine_tile(&worker->eye, &refine, render->image,
@@ -213,19 +192,12 @@ static bool workers_create(Render *render, Error *err)
         eye->options = render->options;
         eye->camera = &render->camera;
         eye->filter = &render->filter;
-        if (g->lamps.below == NULL)
-            continue;
-        render->worker[i].lamp_shares =
-            array_create((size_t)g->lamps.count + 1, sizeof(double), "picture", err);
-        eye->lamp_shares = render->worker[i].lamp_shares;
     }
     return !error_is_set(err);
 }
 
 static void workers_destroy(Render *render)
 {
-    for (unsigned i = 0; render->worker != NULL && i < render->options->threads; i++)
-        array_free(render->worker[i].lamp_shares);
     array_free(render->worker);
 }
 
@@ -239,7 +211,6 @@ static void mean_of_tile(const Render *render, Worker *worker, uint32_t tile)
     const int x0 = (int)(tile % render->tiles_x) * TILE, y0 = (int)(tile / render->tiles_x) * TILE;
     Pixel    pixel[4] = { 0 };
     uint32_t n = 0;
-    aim_lamps(render, worker, 0);
     worker->eye.guides.count = 0;
     for (int k = 0; k < 4; k++) {
         const int x = x0 + STEP / 2 + STEP * (k % 2), y = y0 + STEP / 2 + STEP * (k / 2);

@@ -45,8 +45,7 @@ static LampPlan plan_of(const Wave *wave, unsigned level, uint32_t point,
 {
     const uint32_t rays = point < wave->gathered ? options->gather_rays : 0;
     return (LampPlan){ .lamp_rays = level == 0 ? options->lamp_rays : 1,
-                       .gather_rays = level == 0 ? rays : 1,
-                       .below = options->lamp_shares };
+                       .gather_rays = level == 0 ? rays : 1 };
 }
 
 /* Fills wave->sample and wave->ray from `begin` lamp rays on; returns how many; entry e belongs to

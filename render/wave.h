@@ -56,7 +56,6 @@ typedef struct {
     bool     lights;                 /* point lights at the points themselves as well, one of
                                         them by chance per lamp ray; where rays end, always */
     bool     clear;                  /* light goes on at mirrors and glass; else they absorb it */
-    const double *lamp_shares;       /* from lamps_aim, or NULL */
     const Guides *guides;            /* for points beyond level 0; may be NULL */
     bool     indirect_only;          /* no light straight from lamps and lights at level 0 */
 } WaveOptions;

@@ -254,7 +254,7 @@ static void curved_lamps(void **state)
 }
 
 /* The same square cut into 100 lamps of three colours each of which falls to the next: more than
- * are weighed one by one, so power decides and rays that hit lamps count. */
+ * are weighed one by one, so a tree chooses and rays that hit lamps count. */
 static void many_lamps(void **state)
 {
     (void)state;
