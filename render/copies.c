@@ -8,11 +8,14 @@
 #include "base/array.h"
 #include "math/tolerance.h"
 #include "radiosity/mirrors.h"
+#include "render/normals.h"
 #include "render/path_internal.h"
+#include "render/specular.h"
 
 typedef struct {
     Surfaces *surfaces;
     Bvh      *bvh;
+    float    *smooth;     /* render/normals.h; NULL while nothing of it is glossy */
 } Mesh;
 
 /* A mesh of one material. */
@@ -55,7 +58,7 @@ static bool look_make(RoomCopies *copies, const Placement *placement, Error *err
     if (!array_reserve((void **)&copies->look, &copies->look_capacity, copies->look_count + 1,
                        sizeof *copies->look, "placed meshes", err))
         return false;
-    const Mesh     *mesh = &copies->mesh[placement->prototype];
+    Mesh           *mesh = &copies->mesh[placement->prototype];
     const Material *material = &copies->room->materials[placement->material];
     const uint32_t  count = mesh->surfaces->count;
     Look           *look = &copies->look[copies->look_count++];
@@ -63,6 +66,8 @@ static bool look_make(RoomCopies *copies, const Placement *placement, Error *err
     look->emitting = array_create(count, 1, "placed meshes", err);
     if (rgb_max(material->transmittance) > 0 && !error_is_set(err))
         look->skin = mirrors_skins(mesh->surfaces, material, err);
+    if (mesh->smooth == NULL && specular_exists(material) && !error_is_set(err))
+        mesh->smooth = normals_create(mesh->surfaces, err);
     if (error_is_set(err))
         return false;
     for (uint32_t i = 0; i < count && rgb_max(material->emission) > 0; i++)
@@ -160,6 +165,7 @@ RoomCopies *copies_destroy(RoomCopies *copies)
         array_free(copies->look[i].skin);
     }
     for (size_t i = 0; i < copies->mesh_count; i++) {
+        array_free(copies->mesh[i].smooth);
         bvh_destroy(copies->mesh[i].bvh);
         surfaces_destroy(copies->mesh[i].surfaces);
     }
@@ -189,4 +195,17 @@ const Room *copies_hit(const RoomCopies *copies, const InstanceHit *found, Vec3 
     hit->point = affine_point(&copies->placement[i].to_world, hit->point);
     hit->normal = vec3_unit(affine_normal(local, hit->normal));
     return room;
+}
+
+Vec3 copies_normal(const RoomCopies *copies, const InstanceHit *found, const RoomHit *hit, Vec3 in)
+{
+    assert(copies != NULL && found->instance != RAY_MISS && found->instance > 0);
+    const uint32_t i = found->instance - 1;
+    const Look    *look = &copies->look[copies->look_of[i]];
+    const Affine  *world = &copies->placement[i].to_world, *local = &copies->to_local[i];
+    RoomHit        own = *hit;
+    own.normal = vec3_unit(affine_normal(world, hit->normal)); /* the way back */
+    const Vec3 n = normals_at(copies->mesh[look->mesh].smooth, &look->room, &own,
+                              affine_vector(local, in));
+    return vec3_unit(affine_normal(local, n));
 }

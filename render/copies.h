@@ -31,6 +31,10 @@ const Instances *copies_instances(const RoomCopies *copies);
 const Room *copies_hit(const RoomCopies *copies, const InstanceHit *found, Vec3 direction,
                        RoomHit *hit);
 
+/* Normal for mirrors and gloss where copies_hit has been, met by a ray along `in`: shared across
+ * edges that are not creases, in the mesh's own space. */
+Vec3 copies_normal(const RoomCopies *copies, const InstanceHit *found, const RoomHit *hit, Vec3 in);
+
 /* How far rays start off surfaces of all rooms: rounded in the world and in a copy's own space. */
 double copies_offset(const RoomCopies *copies);
 

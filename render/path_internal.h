@@ -13,6 +13,8 @@
 /* Up to so many lamps are weighed by what they may send to a place; more by a tree. */
 enum { PATH_WEIGHED = 32 };
 
+typedef struct PathScene PathScene;
+
 /* A side that emits, or a light without size. */
 typedef struct {
     uint32_t     surface;
@@ -68,8 +70,9 @@ typedef struct {
     double          diffuse, gloss, clear; /* chances of the kinds of ways on, of sum 1 or all 0 */
 } PathSurface;
 
-void path_surface_init(PathSurface *surface, const Room *room, const float *smooth,
-                       const RoomHit *hit, Vec3 in, bool diffuse_only);
+/* room and hit: as path_place says of `found`, which may be NULL where no copies stand. */
+void path_surface_init(PathSurface *surface, const PathScene *scene, const Room *room,
+                       const InstanceHit *found, const RoomHit *hit, Vec3 in);
 
 /* Diffuse and glossy scattering into a direction: f cos, and the density of the same way being
  * chosen by path_surface_next. 0 for mirrors and glass. */
@@ -100,7 +103,7 @@ typedef struct {
 } PathSum;
 
 /* What all paths of a picture share. */
-typedef struct {
+struct PathScene {
     const Room        *room;
     const PathOptions *options;
     PathLamps          lamps;
@@ -108,7 +111,7 @@ typedef struct {
     double             offset;   /* of rays off surfaces */
     float             *smooth;   /* render/normals.h, or NULL */
     bool               panes;    /* some material is clear */
-} PathScene;
+};
 
 enum { PATH_PIXELS = 64, PATH_WAVE = 1024 }; /* pixels and paths that are traced together */
 

@@ -63,8 +63,8 @@ static double glass_share(const PathSurface *surface, double *eta)
     return fresnel(cosine, *eta);
 }
 
-void path_surface_init(PathSurface *surface, const Room *room, const float *smooth,
-                       const RoomHit *hit, Vec3 in, bool diffuse_only)
+void path_surface_init(PathSurface *surface, const PathScene *scene, const Room *room,
+                       const InstanceHit *found, const RoomHit *hit, Vec3 in)
 {
     Material        scratch;
     const Material *m = places_hit(room, hit, &scratch);
@@ -76,8 +76,9 @@ void path_surface_init(PathSurface *surface, const Room *room, const float *smoo
         surface->made = scratch;
         surface->material = m = &surface->made;
     }
-    if (!diffuse_only && specular_exists(m)) {
-        surface->normal = normals_at(smooth, room, hit, in);
+    if (!scene->options->diffuse_only && specular_exists(m)) {
+        surface->normal = room == scene->room ? normals_at(scene->smooth, room, hit, in)
+                                              : copies_normal(scene->copies, found, hit, in);
         if (rgb_max(m->transmittance) > 0) {
             const double back = glass_share(surface, &eta);
             surface->clear = back + (1 - back) * rgb_max(m->transmittance);

@@ -199,8 +199,7 @@ static bool path_step(PathWave *wave, const PathScene *scene, const InstanceHit 
     /* Sides chosen by hand that are not in use take light for lost, but for the eye's sight. */
     if (room->sides_given && path->bounces > 0 && (room->sides[at.surface] >> at.side & 1) == 0)
         return false;
-    path_surface_init(&surface, room, room == scene->room ? scene->smooth : NULL, &at, in,
-                      scene->options->diffuse_only);
+    path_surface_init(&surface, scene, room, found, &at, in);
     if (aim_shadow(scene, path, &surface, &wave->shadow[*shadows], &wave->shadow_ray[*shadows]))
         (*shadows)++;
     return move_on(scene, path, &surface);

@@ -158,6 +158,8 @@ static void trace(const Picture *picture, Worker *w, const Branch *branch, uint3
                   uint32_t depth)
 {
     const Room *room = picture->room;
+    const PathOptions usual = { 0 };
+    const PathScene   scene = { .room = room, .options = &usual, .smooth = picture->smooth };
     Branch     *next = w->branch + (size_t)(depth + 1) * 2 * BATCH;
     uint32_t    place[BATCH], places = 0, on = 0;
     assert(count <= BATCH && depth <= picture->options.depth);
@@ -178,7 +180,7 @@ static void trace(const Picture *picture, Worker *w, const Branch *branch, uint3
         }
         const Vec3 in = vec3_unit(vec3(b->ray.dx, b->ray.dy, b->ray.dz));
         path_hit(room, &w->hit[i], in, &hit);
-        path_surface_init(&w->surface[places], room, picture->smooth, &hit, in, false);
+        path_surface_init(&w->surface[places], &scene, room, NULL, &hit, in);
         const Material *m = w->surface[places].material;
         Rgb own = rgb_mul(m->reflectance, picture->options.ambient);
         if (emits(room, hit.surface, hit.side))

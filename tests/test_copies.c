@@ -3,6 +3,7 @@
 #include "tests/msd_tools.h"
 
 #include "base/array.h"
+#include "render/normals.h"
 #include "render/path.h"
 #include "tests/room_maker.h"
 
@@ -170,6 +171,91 @@ static void hits_are_those_of_flat_faces(void **state)
     assert_int_equal(array_live(), 0);
 }
 
+/* A ball of triangles, radius 1, without its poles. */
+static void add_ball(Polygons *soup, uint32_t material)
+{
+    enum { RINGS = 12, SIDES = 24 };
+    Error    err = { 0 };
+    uint32_t first = (uint32_t)soup->vertex_count, group = 0, index;
+    assert_true(polygons_add_group(soup, "ball", &group, &err));
+    for (int i = 1; i < RINGS; i++)
+        for (int k = 0; k < SIDES; k++) {
+            const double a = M_PI * i / RINGS, b = 2 * M_PI * k / SIDES;
+            const Vec3   p = vec3(sin(a) * cos(b), sin(a) * sin(b), cos(a));
+            assert_true(polygons_add_vertex(soup, p, &index, &err));
+        }
+    for (uint32_t i = 0; i + 2 < RINGS; i++)
+        for (uint32_t k = 0; k < SIDES; k++) {
+            const uint32_t j = (k + 1) % SIDES, a = first + i * SIDES, b = a + SIDES;
+            const uint32_t corners[2][3] = { { a + k, b + k, b + j }, { a + k, b + j, a + j } };
+            for (int half = 0; half < 2; half++)
+                assert_true(polygons_add_polygon(soup, corners[half], 3, material, group, &err));
+        }
+}
+
+/* Turned, mirrored and evenly scaled, smooth normals are those of the flat faces. */
+static void smooth_normals_are_those_of_flat_faces(void **state)
+{
+    (void)state;
+    const Affine turn = affine_rotation(1, 37), size = { { -3, 0, 0 }, { 0, 3, 0 }, { 0, 0, 3 },
+                                                         { 5, 0, 0 } };
+    const Affine map = affine_then(&turn, &size);
+    Error    err = { 0 };
+    Scene   *scene = scene_create("t", &err);
+    Material mirror = material_default();
+    Polygons ball = { 0 }, flat = { 0 };
+    uint32_t index = 0;
+    TestRoom a = { 0 }, b = { 0 };
+    mirror.specular = rgb(1, 1, 1);
+    mirror.reflectance = rgb(0, 0, 0);
+    mirror.exponent = INFINITY;
+    assert_true(polygons_add_material(&scene->polygons, &mirror, &index, &err));
+    assert_true(polygons_add_material(&ball, &mirror, &index, &err));
+    assert_true(polygons_add_material(&flat, &mirror, &index, &err));
+    add_ball(&scene->polygons, 0);
+    add_ball(&ball, 0);
+    assert_true(polygons_add_group(&flat, "ball", &index, &err));
+    assert_true(polygons_append(&flat, &ball, &map, 0, 0, &err));
+    assert_true(scene_add_prototype(scene, &ball, &index, &err));
+    assert_true(scene_add_placement(scene, &(Placement){ .to_world = map }, &err));
+    room_of(&b, scene);
+    Scene other = { .polygons = flat };
+    room_of(&a, &other);
+    float      *smooth = normals_create(a.surfaces, &err);
+    RoomCopies *copies = copies_create(&b.room, scene, NULL, 1, NULL, &err);
+    assert_non_null(smooth);
+    assert_non_null(copies);
+    unsigned bent = 0;
+    for (int i = 0; i < 400; i++) {
+        const Vec3  way = vec3(0.1, -0.2, -1);
+        const Ray   ray = { .ox = 3.2f + 0.131f * (float)(i % 20), .oy = 0.13f * (float)(i / 20),
+                            .oz = 9, .dx = (float)way.x, .dy = (float)way.y, .dz = (float)way.z,
+                            .t_max = INFINITY };
+        Hit         hit;
+        InstanceHit found;
+        RoomHit     p, q;
+        if (!bvh_nearest(a.bvh, &ray, &hit) ||
+            !instances_nearest(copies_instances(copies), &ray, &found))
+            continue;
+        room_hit(&a.room, &hit, way, &p);
+        copies_hit(copies, &found, way, &q);
+        assert_int_equal(found.instance, 1);
+        const Vec3 m = normals_at(smooth, &a.room, &p, way);
+        const Vec3 n = copies_normal(copies, &found, &q, way);
+        /* Places are off by rounding to float, over faces of about 0.4. */
+        assert_true(vec3_length(vec3_sub(m, n)) <= 1e-5);
+        bent += vec3_length(vec3_sub(n, q.normal)) > 0.01;
+    }
+    assert_true(bent > 200);
+    array_free(smooth);
+    copies_destroy(copies);
+    room_clear(&a);
+    room_clear(&b);
+    polygons_clear(&flat);
+    scene_destroy(scene);
+    assert_int_equal(array_live(), 0);
+}
+
 /* --- light ----------------------------------------------------------------------------------- */
 
 /* In a closed room everything has exitance pi (1 - reflectance): radiance is 1 wherever one looks,
@@ -222,6 +308,7 @@ int main(void)
         cmocka_unit_test(others_stay),
         cmocka_unit_test(places_are_those_of_the_file),
         cmocka_unit_test(hits_are_those_of_flat_faces),
+        cmocka_unit_test(smooth_normals_are_those_of_flat_faces),
         cmocka_unit_test(furnace_with_copies),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
