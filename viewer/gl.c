@@ -276,6 +276,7 @@ static void set_scale(const Gl *gl, const FalseMap *map)
     glUniform1i(uniform(gl, p, "logarithmic"), scale->logarithmic);
 }
 
+/* Faces go a little back, the more the steeper they are seen: their outlines stay before them. */
 static void draw_patches(const Gl *gl, const GlView *view, const float *matrix)
 {
     const ProgramId p = PATCH_PROGRAM;
@@ -293,9 +294,12 @@ static void draw_patches(const Gl *gl, const GlView *view, const float *matrix)
     glBindTexture(GL_TEXTURE_BUFFER, gl->patch_of);
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_BUFFER, gl->patch_light);
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(1, 1);
     draw_faces(gl, view, false);
     if (view->backs != BACKS_HIDDEN)
         draw_faces(gl, view, true);
+    glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
 static void line_colour(const Gl *gl, float r, float g, float b, float a)

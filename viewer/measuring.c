@@ -11,6 +11,8 @@
 
 /* Rays of a picked patch for its factors: a few hundredths of a second. */
 enum { FACTOR_RAYS = 1 << 15 };
+/* Places, evenly by area, whose values set the range of colours. */
+enum { RANGE_VALUES = 1 << 13 };
 /* Rays for the work plane: so many a frame, so many for each point in the end. */
 enum { PLANE_RAYS_FRAME = 1 << 16, PLANE_RAYS_MOST = 1 << 12, PLANE_RAYS_STEP = 1 << 5 };
 
@@ -68,14 +70,25 @@ static void fill_vertices(const Snapshot *s, const Measuring *m, float *weight)
         m->vertex[i] = weight[i] > 0 ? m->vertex[i] / weight[i] : NAN;
 }
 
-/* Lamps shine far beyond what they light: the range is that of all else. */
-static void fit_range(Measuring *m, const ShownMesh *mesh, float *value)
+/* Lamps shine far beyond what they light: the range is that of all else, by area, or a crowd of
+ * small patches in one bright corner would set it. */
+static bool fit_range(Measuring *m, const ShownMesh *mesh, Error *err)
 {
+    const bool lamps_too = m->layer == SHOWN_FACTORS;
+    float *value = array_create(RANGE_VALUES, sizeof *value, "range", err);
+    double whole = 0, passed = 0;
     uint32_t n = 0;
     for (uint32_t i = 0; i < mesh->patch_count; i++)
-        if (!mesh->patch[i].lamp || m->layer == SHOWN_FACTORS)
+        whole += lamps_too || !mesh->patch[i].lamp ? mesh->patch[i].area : 0;
+    for (uint32_t i = 0; value != NULL && i < mesh->patch_count; i++) {
+        passed += lamps_too || !mesh->patch[i].lamp ? mesh->patch[i].area : 0;
+        while (n < RANGE_VALUES && (n + 0.5) * whole < passed * RANGE_VALUES)
             value[n++] = m->value[i];
-    false_map_fit(&m->map, value, n);
+    }
+    if (value != NULL)
+        false_map_fit(&m->map, value, n);
+    array_free(value);
+    return !error_is_set(err);
 }
 
 static bool find_values(Viewer *viewer, Error *err)
@@ -88,15 +101,13 @@ static bool find_values(Viewer *viewer, Error *err)
     array_free(m->vertex);
     m->value = array_create(mesh->patch_count, sizeof *m->value, "values", err);
     m->vertex = array_create(mesh->vertex_count, sizeof *m->vertex, "values", err);
-    const size_t most = mesh->vertex_count > mesh->patch_count ? mesh->vertex_count
-                                                               : mesh->patch_count;
-    float *scratch = array_create(most, sizeof *scratch, "values", err);
+    float *weight = array_create(mesh->vertex_count, sizeof *weight, "values", err);
     if (!error_is_set(err)) {
         layer_fill(s, m->layer, m->factors, m->value);
-        fill_vertices(s, m, scratch);
-        fit_range(m, mesh, scratch);
+        fill_vertices(s, m, weight);
+        fit_range(m, mesh, err);
     }
-    array_free(scratch);
+    array_free(weight);
     return !error_is_set(err);
 }
 
