@@ -269,8 +269,8 @@ static bool read_line(Vs3Reader *r, const char *line, Error *err)
     case 'O':
         break;
     default:
-        return text_error(&r->text, err, "a line begins with '%.20s': T C F V S M N O X E and ! are "
-                          "known", line);
+        return text_error(&r->text, err, "a line begins with '%.20s': T C F V S M N O X E and ! "
+                          "are known", line);
     }
     if (r->wanted > 0)
         return text_error(&r->text, err, "surface %zu has %u of the %u numbers that place it",
