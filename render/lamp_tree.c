@@ -217,15 +217,16 @@ void lamp_tree_clear(LampTree *tree)
 
 /* --- choosing -------------------------------------------------------------------------------- */
 
-/* Cosine of an angle less another, or 1 if the other is larger. */
-static double cosine_less(double cosine, double sine, double cosine_of, double sine_of)
-{
-    return cosine > cosine_of ? 1 : cosine * cosine_of + sine * sine_of;
-}
-
 static double sine_of(double cosine)
 {
-    return sqrt(fmax(1 - cosine * cosine, 0));
+    const double square = 1 - cosine * cosine;
+    return square > 0 ? sqrt(square) : 0;
+}
+
+/* Cosine of an angle less another, or 1 if the other is larger. */
+static double cosine_less(double of, double cosine, double sine)
+{
+    return of > cosine ? 1 : of * cosine + sine_of(of) * sine;
 }
 
 /* The most that a branch may send to the receiver, but that distances are those of its centre. */
@@ -235,19 +236,15 @@ static double bound(const LampBranch *branch, Vec3 point, Vec3 normal)
     const double square = vec3_dot(d, d), radius2 = branch->radius * branch->radius;
     if (!(square > radius2)) /* within the ball, or at a light without size */
         return branch->strength / (radius2 > 0 ? radius2 : 1);
-    const double distance = sqrt(square), sine = branch->radius / distance, cosine = sine_of(sine);
-    const double up = vec3_dot(d, normal) / distance;
-    const double lit = cosine_less(up, sine_of(up), cosine, sine);
+    const double scale = 1 / sqrt(square), sine = branch->radius * scale, cosine = sine_of(sine);
+    const double lit = cosine_less(vec3_dot(d, normal) * scale, cosine, sine);
     if (!(lit > 0))
         return 0;
-    /* Between the cone's axis and the way to the receiver; less the ball's angle, then the cone's:
-     * the order is free, but an angle that ended at 0 must stay there. */
-    const double turn = -vec3_dot(d, branch->axis) / distance, turn_sine = sine_of(turn);
-    if (turn > branch->cosine)
-        return branch->strength * lit / square;
-    const double least = turn * branch->cosine + turn_sine * branch->sine;
-    const double shine = cosine_less(least, sine_of(least), cosine, sine);
-    return shine > 0 ? branch->strength * lit * shine / square : 0;
+    /* Between the cone's axis and the way to the receiver, less the cone's angle. */
+    const double turn = cosine_less(-vec3_dot(d, branch->axis) * scale, branch->cosine,
+                                    branch->sine);
+    const double shine = cosine_less(turn, cosine, sine);
+    return shine > 0 ? branch->strength * lit * shine * scale * scale : 0;
 }
 
 /* Chance of the first of the two branches that leave `above`; < 0: neither sends anything. */
