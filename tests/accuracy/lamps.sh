@@ -6,7 +6,9 @@
 # samples are taken, so its ratio is the ratio of costs at equal error. Ends with 1 above 3. Run by
 # hand; takes minutes.
 #
-#   tests/accuracy/lamps.sh [PATHS [SIZE]]     samples per pixel of the references (4096), pixels (128x80)
+#   tests/accuracy/lamps.sh [PATHS [SIZE]]
+#     PATHS  samples per pixel of the references (4096)
+#     SIZE   pixels (128x80)
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 isolux=${ISOLUX:-build/isolux}
