@@ -51,13 +51,18 @@ const Material *places_material(const Room *room, uint32_t primitive, unsigned s
     if (m->texture == 0)
         return m;
     const FaceMap *map = map_of(room, primitive, side);
-    if (map == NULL)
+    if (map == NULL && !m->cut_out)
         return m;
+    *scratch = *m;
+    scratch->cut_out = false; /* here it is whole, or a hole */
+    if (map == NULL)
+        return scratch;
     double alpha;
     const Rgb c = texture_at(&room->textures->texture[m->texture - 1], face_map_u(map, point),
                              face_map_v(map, point), &alpha);
-    *scratch = m->cut_out && alpha < OPAQUE_LEAST ? hole(m) : *m;
-    if (!(m->cut_out && alpha < OPAQUE_LEAST))
+    if (m->cut_out && alpha < OPAQUE_LEAST)
+        *scratch = hole(m);
+    else
         scratch->reflectance = limited(rgb_mul(m->reflectance, c));
     return scratch;
 }

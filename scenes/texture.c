@@ -21,7 +21,7 @@ static float linear_of(uint8_t byte)
 static int wrapped(double i, int n, TextureWrap wrap)
 {
     if (wrap == WRAP_CLAMP)
-        return i < 0 ? 0 : i >= n ? n - 1 : (int)i;
+        return !(i >= 0) ? 0 : i >= n ? n - 1 : (int)i; /* 0 for what is no number, too */
     const double period = wrap == WRAP_MIRROR ? 2.0 * n : n;
     const double at = i - period * floor(i / period);
     const int    k = at < period ? (int)at : 0;

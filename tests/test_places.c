@@ -109,6 +109,11 @@ static void holes_let_light_through(void **state)
     assert_true(bvh_nearest(r.bvh, &ray, &hit));
     assert_true(mirrors_step(&r.room, &hit, 0.999, &ray, &straight) && straight);
     assert_true(ray.dz == -1 && ray.oz < 0);
+    /* Where something is, a cut-out plate is as dull as any other: gathering rays end there. */
+    const RoomHit there = { .primitive = 0, .point = vec3(0.5, 2, 0) };
+    Material scratch;
+    assert_false(mirrors_is(places_hit(&r.room, &there, &scratch)));
+    assert_true(rgb_max(scratch.reflectance) > 0);
     /* From 3 to 3.5 the alpha falls from 1/2 to 0: a quarter is there, all of it white and blue. */
     double opaque;
     const uint32_t patch = patch_at(&r, vec3(3.25, 1.25, 0));
