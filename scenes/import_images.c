@@ -170,8 +170,8 @@ static bool cut_make(ImportTarget *target, const MaterialImages *images, Materia
             out[2] = (float)c.b;
             out[3] = (float)(cut.clear ? alpha : bright);
         }
-    const bool made = linear != NULL &&
-                      texture_make(&both, cut.name, w, h, NULL, linear, err);
+    /* A name that no file has: image_number must not take it for the image alone. */
+    const bool made = linear != NULL && texture_make(&both, "cut-out", w, h, NULL, linear, err);
     if (made)
         both.wrap = colour != NULL ? colour->wrap : cut.wrap;
     texture_clear(&cut);
