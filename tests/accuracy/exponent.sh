@@ -1,13 +1,14 @@
 #!/bin/bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Cost against patches: CPU seconds of solvers with links (flat), without a matrix (hierarchical) and
-# without links (stochastic) over numbers of patches, each with as many rays per patch throughout.
+# Cost against patches: CPU seconds of solvers with links (flat), between nodes of a tree
+# (hierarchical) and without links (stochastic) over numbers of patches, each with as many rays per
+# patch throughout.
 #   exponent.sh PROGRAM [SCENE [PICTURE.svg]]
 #       FLAT, HIERARCHICAL, STOCHASTIC: numbers of patches, "" for none; RAYS: per patch (64)
-# Writes CSV (solver, patches, CPU seconds, net_cpu: those less the seconds of a run with one ray per
-# patch, rays, estimated error where there is one), then for each solver the exponent, the slope of a
-# line fitted to the logarithms: of all CPU seconds, and of net ones. CPU seconds are user time of all
-# threads. The picture shows all CPU seconds.
+# Writes CSV (solver, patches, CPU seconds, net_cpu: those less the seconds of a run with one ray
+# per patch, rays, estimated error where there is one), then for each solver the exponent, the slope
+# of a line fitted to the logarithms: of all CPU seconds, and of net ones. CPU seconds are user time
+# of all threads. The picture shows all CPU seconds.
 set -eu
 isolux=$1
 scene=${2:-$(dirname "$0")/../../scenes/files/cornell.msd}
