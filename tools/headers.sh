@@ -14,7 +14,7 @@ edges=$(grep -rE '^ *# *include *"[a-z]+/[a-z_0-9]+\.h"' --include='*.[ch]' --in
 public=$({
     echo "$edges" | awk '{ split($1, a, "/"); split($2, b, "/"); if (a[1] != b[1]) print $2 }'
     ls base/*.h math/*.h | grep -v '/internal\.h$'
-} | grep -v '^app/' | sort -u)
+} | grep -vE '^(app|viewer)/' | sort -u)
 while :; do
     more=$({
         echo "$public"
