@@ -28,6 +28,10 @@ static bool together(const Options *options, Error *err)
     if (options->error > 0 && options_given(options, OPTION_ACCURACY) &&
         options->renderer != RENDERER_GATHER)
         return error_set(err, ERROR_USAGE, "paths have one error: give --error or --accuracy");
+    if (options->light_groups && options->command != COMMAND_SOLVE && options->set.count == 0 &&
+        options->changes == NULL)
+        return error_set(err, ERROR_USAGE, "--light-groups mixes lamps that --set or --changes "
+                         "dims: give one of them");
     if (options->logarithmic && options_given(options, OPTION_RANGE) && !(options->range[0] > 0))
         return error_set(err, ERROR_USAGE, "--log needs a --range above 0");
     if (options_given(options, OPTION_UP) && !(vec3_length(options->up) > 0))
