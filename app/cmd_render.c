@@ -1,188 +1,163 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* isolux render: solve, gather, EXR and PNG. */
+/* isolux render: solve, then a picture for each camera. */
 #include <assert.h>
 #include <math.h>
-#include <string.h>
+#include <stdio.h>
 
 #include "app/commands.h"
-#include "app/film.h"
-#include "app/output.h"
+#include "app/picture_files.h"
 #include "app/pipeline_accuracy.h"
-#include "app/pipeline_path.h"
+#include "app/pipeline_picture.h"
 #include "app/saving.h"
 #include "app/summary.h"
-#include "base/array.h"
-#include "render/records.h"
 
-typedef struct {
-    char exr[4096], png[4096], values[4096]; /* the last: in false colours; "": none */
-} Names;
-
-/* room.exr and room.png, whichever of the two -o names; without -o named after the scene, here. */
-static bool picture_names(const Options *options, Names *names, Error *err)
+/* Makes the camera that of the next picture. */
+static void choose_view(Pipeline *pipeline, uint32_t k)
 {
-    const char *path = options->output != NULL ? options->output : output_base(options->scene);
-    if (strcmp(path, "-") == 0)
-        return error_set(err, ERROR_USAGE, "render writes two files; -o needs a name");
-    if (options->output != NULL && !output_ends(path, ".exr") && !output_ends(path, ".png"))
-        return error_set(err, ERROR_USAGE, "-o %s: a picture's name ends in .exr or .png", path);
-    return output_name(path, ".exr", names->exr, sizeof names->exr, err) &&
-           output_name(path, ".png", names->png, sizeof names->png, err) &&
-           output_probe(names->exr, options, err) &&
-           output_probe(names->png, options, err) &&
-           (options->false_colour == FILM_NONE ||
-            (film_name(path, (FilmQuantity)options->false_colour, names->values,
-                       sizeof names->values, err) && output_probe(names->values, options, err)));
+    assert(k < pipeline->view_count);
+    pipeline->camera = pipeline->view[k];
+    view_size(pipeline);
 }
 
-/* Bytes of all layers, and as much again while they are packed for the file. */
-static bool image_fits(const Pipeline *pipeline, Error *err)
+/* The same, and tells so. */
+static void begin_view(Pipeline *pipeline, uint32_t k)
 {
-    const uint64_t pixels = (uint64_t)pipeline->width * (uint64_t)pipeline->height;
+    char part[sizeof pipeline->session->printer.part];
+    choose_view(pipeline, k);
+    saving_view(pipeline->saving, k);
+    if (pipeline->view_count == 1)
+        return;
+    snprintf(part, sizeof part, "%u of %u, %.40s", k + 1, pipeline->view_count,
+             pipeline->camera.name);
+    progress_part(&pipeline->session->printer, part);
+}
+
+/* Bytes of all layers of the largest picture, and as much again while they are packed for the
+ * file. */
+static bool images_fit(Pipeline *pipeline, Error *err)
+{
+    uint64_t pixels = 0;
     const uint64_t layers = (3 * 6 + 1) * sizeof(float) + sizeof(uint32_t);
+    for (uint32_t k = pipeline->view_count; k-- > 0;) { /* the first last: it is to stay */
+        choose_view(pipeline, k);
+        const uint64_t n = (uint64_t)pipeline->width * (uint64_t)pipeline->height;
+        pixels = n > pixels ? n : pixels;
+    }
     return pipeline_fits(pipeline, 2 * layers * pixels, "picture", err);
 }
 
-/* A picture that was asked to stop before it began is made with one ray per pixel: something to
- * look at, in about a second. */
-static void hurry_picture(Pipeline *pipeline)
+/* What the picture under way came to, into its report. */
+static void note_picture(const Pipeline *pipeline, PictureReport *p)
+{
+    const bool paths = pipeline->session->options.renderer == RENDERER_PATH;
+    p->made = true;
+    p->width = pipeline->width;
+    p->height = pipeline->height;
+    p->samples = paths ? pipeline->path.samples : pipeline->render.samples;
+    if (pipeline->session->options.renderer == RENDERER_WHITTED)
+        p->samples = pipeline->session->settings.spp;
+    p->error = paths ? pipeline->path.error : pipeline->render.error;
+    p->exposure = pipeline->exposure;
+    p->rays = pipeline->render.rays;
+    p->seconds = pipeline->render.seconds;
+}
+
+/* All pictures together, for the summary and the exit code. */
+static void add_up(Pipeline *pipeline)
+{
+    RenderReport all = { 0 };
+    uint32_t     made = 0;
+    bool         known = true;
+    for (uint32_t k = 0; k < pipeline->picture_count; k++) {
+        const PictureReport *p = &pipeline->picture[k];
+        made += p->made;
+        all.rays += p->rays;
+        all.seconds += p->seconds;
+        all.samples += p->samples;
+        all.error = fmax(all.error, p->error);
+        known = known && !isnan(p->error);
+    }
+    all.samples /= made > 0 ? made : 1;
+    if (pipeline->session->options.renderer == RENDERER_PATH) {
+        pipeline->path = (PathReport){ .rays = all.rays, .seconds = all.seconds,
+                                       .samples = all.samples, .error = known ? all.error : NAN };
+        all.error = all.samples = 0;
+    }
+    pipeline->render = all;
+}
+
+/* Makes a picture and writes it; *stopped: it is not whole, the rest is to be left. */
+static bool take_picture(Pipeline *pipeline, PictureMaker *maker, PictureReport *p, bool *stopped,
+                         Error *err)
 {
     Session *session = pipeline->session;
-    if (!session->hurry && session_stopped(session)) {
-        session->hurry = true;
-        monitor_warn(&session->monitor, "hurried", session->options.scene,
-                     "%s: finishing roughly", session_stop_reason());
+    Image *image = picture_make(maker, pipeline, err);
+    if (image != NULL && err->code == ERROR_STOPPED && session->broken)
+        image = image_destroy(image);
+    if (image == NULL)
+        return false;
+    *stopped = err->code == ERROR_STOPPED;
+    if (*stopped) {
+        *err = (Error){ 0 };
+        monitor_warn(&session->monitor, "stopped", p->exr, "%s: the picture is not whole",
+                     session_stop_reason());
     }
-    if (session->hurry) {
-        session->settings.spp = session->settings.gather_rays = 1;
-        session->settings.record_rays = 0;
-        session->settings.error = 0;
-    }
+    const bool written = picture_files_write(pipeline, image, p, err);
+    image_destroy(image);
+    if (!written)
+        return false;
+    note_picture(pipeline, p);
+    session_say(session, "isolux: %s -> %s, %s%s%s", session->options.scene, p->exr, p->png,
+                p->values[0] != '\0' ? ", " : "", p->values);
+    return true;
 }
 
-static Image *gather(Pipeline *pipeline, Error *err)
+static bool take_pictures(Pipeline *pipeline, int *exit_code, Error *err)
 {
     Session *session = pipeline->session;
-    const double begin = progress_now();
-    const double *crop = session->options.crop;
-    Gatherer *gatherer = gatherer_create(&pipeline->room, pipeline->solution, pipeline->links,
-                                         err);
-    hurry_picture(pipeline);
-    Records *records = session->settings.record_rays > 0 ? records_create(err) : NULL;
-    const RenderOptions ro = { .width = pipeline->width, .height = pipeline->height,
-                               .samples = session->settings.spp,
-                               .gather_rays = session->settings.gather_rays,
-                               .filter = (PixelFilter)session->options.pixel_filter,
-                               .crop = { (int)crop[0], (int)crop[1], (int)crop[2], (int)crop[3] },
-                               .diffuse_only = session->options.diffuse,
-                               .background = pipeline->scene->background,
-                               .seed = session->settings.seed,
-                               .threads = session->settings.threads,
-                               .kept = saving_tiles(pipeline->saving),
-                               .records = records,
-                               .record_rays = session->settings.record_rays,
-                               .error = session->settings.error };
-    Image *image = NULL;
-    if (gatherer != NULL)
-        image = render_gather(gatherer, &pipeline->camera, &ro, &pipeline->render,
-                              &session->monitor, err);
-    records_destroy(records);
-    gatherer_destroy(gatherer);
-    pipeline_note(pipeline, STAGE_GATHER, begin);
-    return image;
-}
-
-/* The command line without what must not change the bytes of a picture: threads, names of results,
- * limits. */
-static void record_command(const Options *options, char *out, size_t size)
-{
-    static const char *const left_out[] = { "--threads", "--json", "--progress", "--max-memory",
-                                            "--time-limit", "--checkpoint", "--resume", "-o" };
-    size_t used = (size_t)snprintf(out, size, "isolux %s", options->argv[0]);
-    for (int i = 1; i < options->argc && used < size; i++) {
-        bool skip = strncmp(options->argv[i], "-o", 2) == 0;
-        bool two = strcmp(options->argv[i], "-o") == 0;
-        for (size_t k = 0; k < sizeof left_out / sizeof *left_out; k++) {
-            const size_t n = strlen(left_out[k]);
-            if (strncmp(options->argv[i], left_out[k], n) == 0) {
-                skip = true;
-                two = options->argv[i][n] == '\0';
-            }
-        }
-        if (!skip)
-            used += (size_t)snprintf(out + used, size - used, " %s", options->argv[i]);
-        i += skip && two;
+    const uint32_t before = saving_views_before(pipeline->saving);
+    PictureMaker maker;
+    bool good = picture_maker_begin(&maker, pipeline, err), stopped = false;
+    uint32_t k = 0;
+    for (; good && !stopped && k < pipeline->picture_count; k++) {
+        PictureReport *p = &pipeline->picture[k];
+        /* In a hurry, or asked to stop between two: one picture to look at is enough. */
+        if (k > 0 && (session->hurry || session_stopped(session)))
+            break;
+        begin_view(pipeline, k);
+        if (k < before && picture_files_exist(p))
+            good = picture_skip(&maker, pipeline, err);
+        else
+            good = take_picture(pipeline, &maker, p, &stopped, err);
     }
-}
-
-static bool write_picture(Pipeline *pipeline, const Image *image, const Names *names, Error *err)
-{
-    const Options *options = &pipeline->session->options;
-    const Camera *c = &pipeline->camera;
-    const Vec3 eye = scene_to_file(pipeline->scene, c->eye);
-    const Vec3 target = scene_to_file(pipeline->scene, c->target);
-    const double begin = progress_now();
-    char command[1024];
-    record_command(options, command, sizeof command);
-    pipeline->exposure = options->exposure_set ? options->exposure : image_auto_exposure(image);
-    const ImageTone tone = { pipeline->exposure, (ToneCurve)options->tone };
-    const ImageInfo info = {
-        .eye = { eye.x, eye.y, eye.z },
-        .target = { target.x, target.y, target.z },
-        .up = { c->up.x, c->up.y, c->up.z },
-        .vertical_fov = c->vertical_fov,
-        .exposure = pipeline->exposure,
-        .units = options->units == UNITS_PHOTOMETRIC ? "photometric" : "radiometric",
-        .version = ISOLUX_VERSION,
-        .scene = options->scene,
-        .command = command,
-        .scene_hash = pipeline->scene->hash,
-        .threads = pipeline->session->settings.threads,
-    };
-    const bool written =
-        image_write_exr(image, &info, names->exr, err) &&
-        image_write_png(image, &tone, &info, names->png, err) &&
-        (names->values[0] == '\0' ||
-         film_false_colour(pipeline->session, image, (FilmQuantity)options->false_colour, &info,
-                           names->values, err));
-    pipeline_note(pipeline, STAGE_WRITE, begin);
-    return written;
+    picture_maker_end(&maker);
+    add_up(pipeline);
+    *exit_code = pipeline_exit_code(pipeline);
+    if (good && (stopped || k < pipeline->picture_count))
+        *exit_code = ERROR_STOPPED;
+    for (; good && k < pipeline->picture_count; k++)
+        monitor_warn(&session->monitor, "stopped", pipeline->picture[k].exr,
+                     "%s: the picture was not made", session_stop_reason());
+    return good;
 }
 
 bool cmd_render(Pipeline *pipeline, int *exit_code, Error *err)
 {
-    Session *session = pipeline->session;
-    Names names = { .values = "" };
-    assert(session->options.scene != NULL);
-    const bool solved = session->options.renderer == RENDERER_GATHER;
-    if (solved && !pipeline_accuracy_allowed(&session->options, err))
+    const Options *options = &pipeline->session->options;
+    assert(options->scene != NULL);
+    const bool solved = options->renderer == RENDERER_GATHER;
+    if (solved && !pipeline_accuracy_allowed(options, err))
         return false;
-    if (!picture_names(&session->options, &names, err) || !pipeline_read(pipeline, err) ||
-        !pipeline_mesh(pipeline, err) || !pipeline_camera(pipeline, err))
+    if (!picture_files_allowed(options, err) || !pipeline_read(pipeline, err) ||
+        !pipeline_mesh(pipeline, err) || !pipeline_camera(pipeline, err) ||
+        !picture_files_name(pipeline, err))
         return false;
-    view_size(pipeline);
-    if (!image_fits(pipeline, err))
+    if (!images_fit(pipeline, err))
         return false;
     if (solved && (!pipeline_patches(pipeline, err) || !pipeline_accurate(pipeline, err)))
         return false;
-    Image *image = solved ? gather(pipeline, err) : pipeline_path(pipeline, err);
-    *exit_code = pipeline_exit_code(pipeline);
-    if (image != NULL && err->code == ERROR_STOPPED && session->broken)
-        image = image_destroy(image);
-    if (image != NULL && err->code == ERROR_STOPPED) {
-        *exit_code = ERROR_STOPPED;
-        *err = (Error){ 0 };
-        monitor_warn(&session->monitor, "stopped", names.exr,
-                     "%s: the picture is not whole", session_stop_reason());
-    }
-    if (image == NULL)
+    if (!take_pictures(pipeline, exit_code, err))
         return false;
-    const bool written = write_picture(pipeline, image, &names, err);
-    image_destroy(image);
-    if (!written)
-        return false;
-    session_say(session, "isolux: %s -> %s, %s%s%s", session->options.scene, names.exr, names.png,
-                names.values[0] != '\0' ? ", " : "", names.values);
     summary_print(pipeline);
     return true;
 }

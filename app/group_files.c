@@ -3,11 +3,10 @@
 #include "app/group_files.h"
 
 #include <assert.h>
-#include <ctype.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "app/commands.h"
+#include "app/name_mark.h"
 #include "base/array.h"
 
 static const char MARK[] = "{group}";
@@ -29,42 +28,22 @@ bool group_files_allowed(const Options *options, Error *err)
     return true;
 }
 
-/* Whether both become the same in a file's name. */
-static bool same_name(const char *a, const char *b)
-{
-    for (; *a != '\0' && *b != '\0'; a++, b++) {
-        const bool plain = isalnum((unsigned char)*a) || *a == '-' || *a == '.';
-        const bool other = isalnum((unsigned char)*b) || *b == '-' || *b == '.';
-        if (plain != other || (plain && *a != *b))
-            return false;
-    }
-    return *a == *b;
-}
-
 /* Group k's name, or "all" for k = group_count, in the place of the mark. */
 static bool group_path(const Relit *relit, uint32_t k, const char *output, char path[PATH_MOST],
                        Error *err)
 {
-    const char *mark = strstr(output, MARK);
-    const char *name = k < relit->group_count ? relit->name[k] : "all";
-    assert(mark != NULL);
-    uint32_t before = 0;
-    for (uint32_t j = 0; j < k; j++)
-        before += same_name(relit->name[j], name);
-    char clean[PATH_MOST], number[16] = "";
-    size_t n = 0;
-    for (; name[n] != '\0' && n + 1 < sizeof clean; n++)
-        clean[n] = isalnum((unsigned char)name[n]) || name[n] == '-' || name[n] == '.' ? name[n]
-                                                                                       : '_';
-    clean[n] = '\0';
-    if (before > 0)
-        snprintf(number, sizeof number, "+%u", before + 1);
-    const int length = snprintf(path, PATH_MOST, "%.*s%s%s%s", (int)(mark - output), output, clean,
-                                number, mark + strlen(MARK));
-    if (length < 0 || length >= PATH_MOST || n + 1 == sizeof clean)
-        return error_set(err, ERROR_USAGE, "-o %s: the name for group '%.80s' is too long", output,
-                         name);
-    return true;
+    const char *const all = "all";
+    if (k < relit->group_count)
+        return name_mark_fill(output, MARK, relit->name, relit->group_count, k, path, PATH_MOST,
+                              err);
+    const char **name = array_create((size_t)k + 1, sizeof *name, "light groups", err);
+    if (name == NULL)
+        return false;
+    memcpy(name, relit->name, k * sizeof *name);
+    name[k] = all;
+    const bool filled = name_mark_fill(output, MARK, name, k + 1, k, path, PATH_MOST, err);
+    array_free(name);
+    return filled;
 }
 
 static bool write_group(Pipeline *p, uint32_t k, Solution *alone, double *dimmer,

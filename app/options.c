@@ -161,7 +161,7 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       FIELD(pixel_filter), 0, 0, "box,tent,gauss,blackman-harris",
       "how samples around a pixel count (default box: its square alone)" },
     { OPTION_CAMERA, "--camera", "NAME", DRAWING | COMMAND_BENCH, KIND_TEXT, FIELD(camera),
-      0, 0, NULL, "a camera of the file (default: its first, or a view of the room)" },
+      0, 0, NULL, "of the file; render: also A,B or all (default: its first, or a view)" },
     { OPTION_EYE, "--eye", "X,Y,Z", DRAWING | COMMAND_BENCH, KIND_VECTOR, FIELD(eye), 0, 0,
       NULL, "a view of your own: where the eye is" },
     { OPTION_TARGET, "--target", "X,Y,Z", DRAWING | COMMAND_BENCH, KIND_VECTOR,

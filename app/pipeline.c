@@ -474,6 +474,8 @@ int pipeline_exit_code(const Pipeline *pipeline)
 
 void pipeline_clear(Pipeline *pipeline)
 {
+    array_free(pipeline->view);
+    array_free(pipeline->picture);
     solution_destroy(pipeline->solution);
     changes_clear(&pipeline->changes);
     relit_clear(&pipeline->relit);

@@ -5,6 +5,7 @@
 
 #include "app/adapt_report.h"
 #include "app/changes.h"
+#include "app/picture_report.h"
 #include "app/relit.h"
 #include "app/session.h"
 #include "inspect/imprint.h"
@@ -57,7 +58,9 @@ typedef struct Pipeline {
     uint8_t     *skin;         /* [surfaces->count]  of mirrors_skins */
     bool         sides_given;  /* by --sides, or all fronts: not found by sight */
     SidesReport  sides_report;
-    Camera       camera;            /* chosen for the picture; only when has_camera */
+    Camera      *view;              /* [view_count]  chosen for pictures; only when has_camera */
+    uint32_t     view_count;
+    Camera       camera;            /* of the picture under way; at first view[0] */
     bool         has_camera;
     const Vec3  *point, *normal;    /* [point_count]  measuring points, the caller's */
     size_t       point_count;
@@ -88,10 +91,13 @@ typedef struct Pipeline {
     void (*watch)(void *user, const Links *links, const Solution *solution, const double *error);
     void        *watch_user;
     struct Saving *saving;          /* the caller's; NULL: nothing is saved */
-    RenderReport render;
-    PathReport   path;              /* of --renderer path */
+    RenderReport render;            /* of the picture under way; then of all: rays and seconds
+                                       added, samples the mean, the largest error */
+    PathReport   path;              /* likewise, of --renderer path */
     int          width, height;     /* of the picture; 0: none was made */
     double       exposure;          /* EV that the picture was shown with */
+    PictureReport *picture;         /* [picture_count]  one for each view, in that order */
+    uint32_t     picture_count;
     double       seconds[STAGE_COUNT];
     uint64_t     peak[STAGE_COUNT]; /* bytes, most used up to the end of the stage */
 } Pipeline;
@@ -111,8 +117,8 @@ bool pipeline_light(Pipeline *pipeline, Error *err);
 /* The problem alone: emission and reflectance of the patches as the scene has them now. */
 bool pipeline_problem(Pipeline *pipeline, Error *err);
 
-/* Chooses the camera: --camera, --eye, the file's first, else one that shows the room. Between
- * pipeline_mesh and pipeline_patches, for what is seen takes part. */
+/* Chooses the cameras: --camera, which may name several, --eye, the file's first, else one that
+ * shows the room. Between pipeline_mesh and pipeline_patches, for what is seen takes part. */
 bool pipeline_camera(Pipeline *pipeline, Error *err);
 
 /* Fails with ERROR_MEMORY when `more` bytes on top of what is in use pass --max-memory. */

@@ -33,19 +33,24 @@ static Image *whitted(Pipeline *pipeline, Error *err)
     return image;
 }
 
-Image *pipeline_path(Pipeline *pipeline, Error *err)
+bool pipeline_path_begin(Pipeline *pipeline, RoomCopies **copies, Error *err)
+{
+    *copies = NULL;
+    if (!pipeline_sides(pipeline, err))
+        return false;
+    pipeline_room(pipeline);
+    if (pipeline->session->options.renderer == RENDERER_PATH)
+        *copies = pipeline_copies(pipeline, err);
+    return !error_is_set(err);
+}
+
+Image *pipeline_path(Pipeline *pipeline, const RoomCopies *copies, Error *err)
 {
     Session *session = pipeline->session;
     const Settings *settings = &session->settings;
-    assert(pipeline->has_camera && pipeline->width > 0);
-    if (!pipeline_sides(pipeline, err))
-        return NULL;
-    pipeline_room(pipeline);
+    assert(pipeline->has_camera && pipeline->width > 0 && pipeline->sides != NULL);
     if (session->options.renderer == RENDERER_WHITTED)
         return whitted(pipeline, err);
-    RoomCopies *copies = pipeline_copies(pipeline, err);
-    if (error_is_set(err))
-        return NULL;
     const double begin = progress_now();
     const double *crop = session->options.crop;
     const PathOptions po = { .width = pipeline->width, .height = pipeline->height,
@@ -59,13 +64,13 @@ Image *pipeline_path(Pipeline *pipeline, Error *err)
                              .seed = settings->seed, .threads = settings->threads };
     Image *image = render_path(&pipeline->room, &pipeline->camera, &po, &pipeline->path,
                                &session->monitor, err);
-    copies_destroy(copies);
     pipeline->render.rays = pipeline->path.rays;
     pipeline->render.seconds = pipeline->path.seconds;
-    if (settings->accuracy > 0) /* of the picture, not of patches */
+    const double reached = isnan(pipeline->path.error) ? INFINITY : pipeline->path.error;
+    if (settings->accuracy > 0) /* of the pictures, not of patches */
         pipeline->accuracy = (LightAccuracy){ .asked = settings->accuracy,
-                                              .reached = isnan(pipeline->path.error)
-                                                             ? INFINITY : pipeline->path.error };
+                                              .reached = fmax(pipeline->accuracy.reached,
+                                                              reached) };
     pipeline_note(pipeline, STAGE_GATHER, begin);
     return image;
 }

@@ -61,6 +61,8 @@ static void show_json(const ProgressPrinter *printer, const Progress *progress, 
     Json json = { .out = stderr, .one_line = true };
     json_open(&json, NULL, '{');
     json_text(&json, "stage", progress->stage);
+    if (printer->part[0] != '\0')
+        json_text(&json, "part", printer->part);
     json_number(&json, "done", progress->done);
     json_number(&json, "energy_left", progress->energy_left < 0 ? NAN : progress->energy_left);
     json_number(&json, "elapsed", now - printer->start);
@@ -73,8 +75,9 @@ static void show_json(const ProgressPrinter *printer, const Progress *progress, 
 static void show_text(ProgressPrinter *printer, const Progress *progress, double now, double left)
 {
     const double spent = now - printer->stage_start;
-    char line[160];
-    int n = snprintf(line, sizeof line, "isolux: %-8s %3.0f %%", progress->stage,
+    char line[256];
+    int n = snprintf(line, sizeof line, "isolux: %-8s %s%s%3.0f %%", progress->stage,
+                     printer->part, printer->part[0] != '\0' ? ": " : "",
                      floor(100 * progress->done));
     if (progress->energy_left >= 0)
         n += snprintf(line + n, sizeof line - (size_t)n, ", %.3g %% of the light under way",
@@ -129,6 +132,15 @@ void progress_show(ProgressPrinter *printer, const Progress *progress)
     printer->now = *progress;
     printer->now.stage = printer->stage;
     show(printer, new_stage);
+    pthread_mutex_unlock(&printer->lock);
+}
+
+void progress_part(ProgressPrinter *printer, const char *part)
+{
+    pthread_mutex_lock(&printer->lock);
+    snprintf(printer->part, sizeof printer->part, "%s", part);
+    printer->stage[0] = '\0'; /* what comes next is another stage, whatever its name */
+    printer->now.stage = NULL;
     pthread_mutex_unlock(&printer->lock);
 }
 

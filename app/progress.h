@@ -19,6 +19,7 @@ typedef struct {
     bool          live;       /* auto on a terminal */
     bool          shown;      /* a live line stands there */
     char          stage[16];  /* the one being shown */
+    char          part[80];   /* of several that the stage is done for, as a camera; "": one */
     double        start;      /* of the program, clock of progress_now */
     double        stage_start;
     double        last;       /* when the last line was printed */
@@ -39,6 +40,8 @@ void progress_init(ProgressPrinter *printer, ProgressStyle style);
 /* Starts the thread that speaks when the work is silent. */
 void progress_begin(ProgressPrinter *printer);
 void progress_end(ProgressPrinter *printer);
+/* What stages are done for from now on, told with them; "": nothing that needs telling. */
+void progress_part(ProgressPrinter *printer, const char *part);
 void progress_show(ProgressPrinter *printer, const Progress *progress);
 /* Takes a live line away, before other text is printed. */
 void progress_clear(ProgressPrinter *printer);

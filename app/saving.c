@@ -26,6 +26,7 @@ typedef struct {
     LinksReport raw, report;
     LinksChange change;
     double      factors_seconds, closure_seconds, rounding;
+    uint32_t    view, unused; /* pictures that are finished and written */
 } Note;
 
 /* --- what the run is made from ---------------------------------------------------------------- */
@@ -47,15 +48,25 @@ static uint64_t hash_text(const Session *session, uint64_t key)
     return key;
 }
 
+static uint64_t hash_view(const Pipeline *p, const Camera *c, uint64_t key)
+{
+    const Options *options = &p->session->options;
+    const double *crop = options->crop;
+    const double view[] = { c->eye.x, c->eye.y, c->eye.z, c->target.x, c->target.y, c->target.z,
+                            c->up.x, c->up.y, c->up.z, c->vertical_fov, c->projection,
+                            c->view_height, c->aperture, c->focus, p->width, p->height,
+                            crop[0], crop[1], crop[2], crop[3], options->pixel_filter,
+                            options->diffuse };
+    return file_hash(view, sizeof view, key);
+}
+
 /* Scene, options and what came of them up to the patches. */
 static uint64_t find_key(const Pipeline *p)
 {
     const Patches *patches = p->patches;
-    const Camera *c = &p->camera;
-    const double view[] = { c->eye.x, c->eye.y, c->eye.z, c->target.x, c->target.y, c->target.z,
-                            c->up.x, c->up.y, c->up.z, c->vertical_fov, p->width, p->height,
-                            p->session->options.diffuse };
     uint64_t key = hash_text(p->session, p->scene->hash);
+    for (uint32_t k = 0; k < p->view_count; k++)
+        key = hash_view(p, &p->view[k], key);
     key = file_hash(patches->surface, patches->count * sizeof *patches->surface, key);
     key = file_hash(patches->side, patches->count, key);
     key = file_hash(patches->area, patches->count * sizeof *patches->area, key);
@@ -74,7 +85,7 @@ static uint64_t find_key(const Pipeline *p)
         key = file_hash(&m->reflectance, sizeof m->reflectance, key);
         key = file_hash(&m->emission, sizeof m->emission, key);
     }
-    return file_hash(view, p->has_camera ? sizeof view : 0, key);
+    return key;
 }
 
 /* --- saving ----------------------------------------------------------------------------------- */
@@ -85,7 +96,8 @@ static void add_note(const Saving *s, Checkpoint *c, Note *note)
     *note = (Note){ .state = s->state, .passes = p->adapt.passes, .adapt = p->adapt,
                     .raw = p->raw, .report = p->report, .change = p->change,
                     .factors_seconds = p->factors_seconds,
-                    .closure_seconds = p->closure_seconds, .rounding = p->rounding };
+                    .closure_seconds = p->closure_seconds, .rounding = p->rounding,
+                    .view = s->view };
     c->part[PART_NOTE] = note;
     c->size[PART_NOTE] = sizeof *note;
 }
@@ -171,7 +183,8 @@ static bool take_note(const Saving *s, Note *note, Error *err)
     const bool pass = c->rows != NULL && note->state == SAVING_LINKS;
     if (note->state < SAVING_ROWS || note->state > SAVING_SOLUTION ||
         note->adapt.passes > ADAPT_PASSES || note->passes != note->adapt.passes ||
-        c->passes != note->passes + pass || (note->state == SAVING_ROWS) != (c->links == NULL) ||
+        c->passes != note->passes + pass || note->view > s->pipeline->view_count ||
+        (note->state == SAVING_ROWS) != (c->links == NULL) ||
         (note->state == SAVING_SOLUTION) != (c->solution != NULL))
         return refuse(s, "is a checkpoint whose pieces do not fit together", err);
     return true;
@@ -215,6 +228,7 @@ static bool take_links(Saving *s, const Note *note, Error *err)
     p->factors_seconds = note->factors_seconds;
     p->closure_seconds = note->closure_seconds;
     p->rounding = note->rounding;
+    s->views_before = note->view;
     if (c->rows != NULL) {
         kept_rows_destroy(s->rows);
         s->rows = c->rows;
@@ -258,9 +272,22 @@ KeptRows *saving_rows(Saving *s)
     return s != NULL ? s->rows : NULL;
 }
 
+void saving_view(Saving *s, uint32_t view)
+{
+    if (s != NULL)
+        s->view = view;
+}
+
+uint32_t saving_views_before(const Saving *s)
+{
+    return s != NULL ? s->views_before : 0;
+}
+
 KeptTiles *saving_tiles(Saving *s)
 {
-    return s != NULL && !s->pipeline->session->hurry ? s->tiles : NULL;
+    /* Tiles that were loaded are of the first picture that was not finished. */
+    return s != NULL && !s->pipeline->session->hurry && s->view >= s->views_before ? s->tiles
+                                                                                   : NULL;
 }
 
 bool saving_pass(Saving *s, const uint8_t *split, Error *err)

@@ -2,9 +2,9 @@
 /* app/saving.h -- a run saved from time to time, and taken up again (--checkpoint, --resume).
  *
  * What is saved depends on how far the run is: rows of the first cast; links as cast, how patches
- * were divided, rows of the parts being cast; the solution, and finished tiles of the picture. All
- * else is made again, and comes out the same. Saving happens between chunks of work, in the thread
- * that reports progress; others work on meanwhile.
+ * were divided, rows of the parts being cast; the solution, how many pictures are finished, and
+ * finished tiles of the next. All else is made again, and comes out the same. Saving happens
+ * between chunks of work, in the thread that reports progress; others work on meanwhile.
  * All functions but begin and end take NULL and then do nothing.
  */
 #ifndef APP_SAVING_H
@@ -33,6 +33,8 @@ typedef struct Saving {
     bool        chosen;       /* the last of them was loaded and not carried out yet */
     KeptRows   *rows;
     KeptTiles  *tiles;
+    uint32_t    view;         /* picture under way: those before it are finished and written */
+    uint32_t    views_before; /* the same of the run that is resumed */
     Error       error;        /* why nothing could be saved */
 } Saving;
 
@@ -53,6 +55,10 @@ void saving_now(Saving *saving);
 
 /* For the next cast; NULL: nothing is to be kept. */
 KeptRows *saving_rows(Saving *saving);
+/* Picture number `view` of several begins. */
+void saving_view(Saving *saving, uint32_t view);
+/* How many pictures an earlier run had finished and written. */
+uint32_t saving_views_before(const Saving *saving);
 /* For the picture. */
 KeptTiles *saving_tiles(Saving *saving);
 /* Patches that the pass under way divides [patches->count]: copied. */

@@ -275,6 +275,33 @@ static void put_relit(Json *json, const Pipeline *pipeline)
     json_close(json, '}');
 }
 
+static void put_pictures(Json *json, const Pipeline *pipeline)
+{
+    json_open(json, "pictures", '[');
+    for (uint32_t k = 0; k < pipeline->picture_count; k++) {
+        const PictureReport *p = &pipeline->picture[k];
+        json_open(json, NULL, '{');
+        json_text(json, "camera", p->camera);
+        json_text(json, "exr", p->exr);
+        json_text(json, "png", p->png);
+        if (p->values[0] != '\0')
+            json_text(json, "false_colour", p->values);
+        json_bool(json, "made", p->made);
+        if (p->made) {
+            json_count(json, "width", (uint64_t)p->width);
+            json_count(json, "height", (uint64_t)p->height);
+            json_number(json, "samples_per_pixel", p->samples);
+            if (p->error != 0)
+                json_number(json, "standard_error", p->error);
+            json_count(json, "rays", p->rays);
+            json_number(json, "seconds", p->seconds);
+            json_number(json, "exposure", p->exposure);
+        }
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+}
+
 static void put_render(Json *json, const Pipeline *pipeline)
 {
     const Settings *settings = &pipeline->session->settings;
@@ -299,6 +326,8 @@ static void put_render(Json *json, const Pipeline *pipeline)
     json_count(json, "rays", pipeline->render.rays);
     json_number(json, "seconds", pipeline->render.seconds);
     json_number(json, "exposure", pipeline->exposure);
+    if (pipeline->picture_count > 0)
+        put_pictures(json, pipeline);
     json_close(json, '}');
 }
 
@@ -474,6 +503,17 @@ static void print_enforced(const Pipeline *pipeline)
                     pipeline->rounding);
 }
 
+static void print_pictures(const Pipeline *pipeline)
+{
+    for (uint32_t k = 0; k < pipeline->picture_count; k++) {
+        const PictureReport *p = &pipeline->picture[k];
+        if (p->made)
+            session_say(pipeline->session, "  picture  %s: %d x %d, %.6g samples, %.3g rays, "
+                        "exposure %+.2f, %.2f s", p->camera, p->width, p->height, p->samples,
+                        (double)p->rays, p->exposure, p->seconds);
+    }
+}
+
 void summary_print(const Pipeline *pipeline)
 {
     Session *session = pipeline->session;
@@ -519,7 +559,9 @@ void summary_print(const Pipeline *pipeline)
     else if (pipeline->path.samples > 0)
         session_say(session, "  paths    %.6g per pixel, standard error %.3g %% (rms of pixels)",
                     pipeline->path.samples, 100 * pipeline->path.error);
-    if (pipeline->width > 0)
+    if (pipeline->picture_count > 1)
+        print_pictures(pipeline);
+    else if (pipeline->width > 0)
         session_say(session, "  picture  %d x %d, %.6g samples, %.3g rays, exposure %+.2f, %.2f s",
                     pipeline->width, pipeline->height,
                     pipeline->path.samples > 0 ? pipeline->path.samples : pipeline->render.samples,

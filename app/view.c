@@ -1,52 +1,95 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where the picture is taken from, and how large it is. */
+/* Where pictures are taken from, and how large they are. */
 #include <assert.h>
 #include <math.h>
 #include <string.h>
 
 #include "app/commands.h"
+#include "base/array.h"
 #include "scenes/view.h"
 
 /* Whole vertical angle of a view of one's own: a normal lens seen upright. */
 static const double OWN_FOV = 50;
 
-static bool camera_by_name(Pipeline *pipeline, const char *name, Error *err)
+/* Number of the camera of that name of `length` letters, or camera_count. */
+static size_t find_camera(const Scene *scene, const char *name, size_t length)
 {
-    const Scene *scene = pipeline->scene;
+    size_t i = 0;
+    for (; i < scene->camera_count; i++)
+        if (strlen(scene->cameras[i].name) == length &&
+            strncmp(scene->cameras[i].name, name, length) == 0)
+            break;
+    return i;
+}
+
+static bool no_camera(const Scene *scene, const char *name, size_t length, Error *err)
+{
     char known[256] = "";
     for (size_t i = 0; i < scene->camera_count; i++) {
         const size_t n = strlen(known);
-        if (strcmp(scene->cameras[i].name, name) == 0) {
-            pipeline->camera = scene->cameras[i];
-            return true;
-        }
         snprintf(known + n, sizeof known - n, "%s'%s'", n > 0 ? ", " : "", scene->cameras[i].name);
     }
-    return error_set(err, ERROR_USAGE, "%s: no camera '%s'; the file has %s", scene->file, name,
-                     scene->camera_count > 0 ? known : "none");
+    return error_set(err, ERROR_USAGE, "%s: no camera '%.*s'; the file has %s", scene->file,
+                     (int)length, name, scene->camera_count > 0 ? known : "none");
 }
 
-static bool camera_of_own(Pipeline *pipeline, Error *err)
+/* Cameras of "A,B", each once. */
+static bool cameras_of_list(Pipeline *pipeline, const char *list, Error *err)
+{
+    const Scene *scene = pipeline->scene;
+    for (const char *p = list, *end; p != NULL; p = *end == ',' ? end + 1 : NULL) {
+        end = p + strcspn(p, ",");
+        const size_t length = (size_t)(end - p), i = find_camera(scene, p, length);
+        if (i == scene->camera_count)
+            return no_camera(scene, p, length, err);
+        for (uint32_t k = 0; k < pipeline->view_count; k++)
+            if (strcmp(pipeline->view[k].name, scene->cameras[i].name) == 0)
+                return error_set(err, ERROR_USAGE, "--camera %s: '%.*s' stands there twice", list,
+                                 (int)length, p);
+        pipeline->view[pipeline->view_count++] = scene->cameras[i];
+    }
+    return true;
+}
+
+/* A name, "all" unless a camera is called so, or names with commas between. */
+static bool cameras_by_name(Pipeline *pipeline, const char *names, Error *err)
+{
+    const Scene *scene = pipeline->scene;
+    const size_t count = scene->camera_count, length = strlen(names);
+    const size_t i = find_camera(scene, names, length);
+    const bool   all = i == count && count > 0 && strcmp(names, "all") == 0;
+    if (i == count && !all && strchr(names, ',') == NULL)
+        return no_camera(scene, names, length, err);
+    if (i < count)
+        pipeline->view[pipeline->view_count++] = scene->cameras[i];
+    for (size_t k = 0; all && k < count; k++)
+        pipeline->view[pipeline->view_count++] = scene->cameras[k];
+    if (pipeline->view_count == 0 && !cameras_of_list(pipeline, names, err))
+        return false;
+    if (pipeline->view_count > 1 && pipeline->session->options.command != COMMAND_RENDER)
+        return error_set(err, ERROR_USAGE, "--camera %s: several cameras are for render", names);
+    return true;
+}
+
+static bool camera_of_own(const Pipeline *pipeline, Camera *camera, Error *err)
 {
     const Options *options = &pipeline->session->options;
     const Scene *scene = pipeline->scene;
     const Vec3 middle = vec3_lerp(pipeline->surfaces->lo, pipeline->surfaces->hi, 0.5);
     const bool aimed = options_given(options, OPTION_TARGET);
-    pipeline->camera = (Camera){ .name = "own", .eye = scene_from_file(scene, options->eye),
+    *camera = (Camera){ .name = "own", .eye = scene_from_file(scene, options->eye),
                                  .vertical_fov = OWN_FOV,
                                  .target = aimed ? scene_from_file(scene, options->target) : middle,
                                  .up = scene->up };
-    if (!(vec3_length(vec3_sub(pipeline->camera.target, pipeline->camera.eye)) > 0))
+    if (!(vec3_length(vec3_sub(camera->target, camera->eye)) > 0))
         return error_set(err, ERROR_USAGE, "--eye and --target are the same point");
     return true;
 }
 
 /* What the options say of projection and lens. */
-static bool camera_options(Pipeline *pipeline, Error *err)
+static bool camera_options(const Options *options, Camera *camera, Error *err)
 {
     static const double ALL_ROUND = 180; /* degrees up and down */
-    const Options *options = &pipeline->session->options;
-    Camera *camera = &pipeline->camera;
     if (options_given(options, OPTION_PROJECTION)) {
         camera->projection = (Projection)options->projection;
         if (camera->projection == CAMERA_FISHEYE || camera->projection == CAMERA_PANORAMA)
@@ -80,17 +123,24 @@ bool pipeline_camera(Pipeline *pipeline, Error *err)
 {
     const Options *options = &pipeline->session->options;
     const Scene *scene = pipeline->scene;
-    assert(pipeline->bvh != NULL && pipeline->patches == NULL);
-    bool found = true;
-    if (options->camera != NULL)
-        found = camera_by_name(pipeline, options->camera, err);
-    else if (options_given(options, OPTION_EYE))
-        found = camera_of_own(pipeline, err);
-    else if (scene->camera_count > 0)
-        pipeline->camera = scene->cameras[0];
-    else
-        view_of_surfaces(scene, pipeline->surfaces, pipeline->bvh, &pipeline->camera);
-    found = found && camera_options(pipeline, err);
+    assert(pipeline->bvh != NULL && pipeline->patches == NULL && pipeline->view == NULL);
+    pipeline->view = array_create(scene->camera_count + 1, sizeof *pipeline->view, "cameras", err);
+    bool found = pipeline->view != NULL;
+    if (found && options->camera != NULL) {
+        found = cameras_by_name(pipeline, options->camera, err);
+    } else if (found) {
+        Camera *camera = &pipeline->view[pipeline->view_count++];
+        if (options_given(options, OPTION_EYE))
+            found = camera_of_own(pipeline, camera, err);
+        else if (scene->camera_count > 0)
+            *camera = scene->cameras[0];
+        else
+            view_of_surfaces(scene, pipeline->surfaces, pipeline->bvh, camera);
+    }
+    for (uint32_t k = 0; found && k < pipeline->view_count; k++)
+        found = camera_options(options, &pipeline->view[k], err);
+    if (found)
+        pipeline->camera = pipeline->view[0];
     pipeline->has_camera = found;
     return found;
 }

@@ -59,6 +59,12 @@ typedef struct {
 Image *render_gather(const Gatherer *gatherer, const Camera *camera, const RenderOptions *options,
                      RenderReport *report, const Monitor *monitor, Error *err);
 
+/* What render_gather does first, alone: fills options->records for a view, if there are any. Later
+ * views with the same records come out as if this one's picture had been made.
+ * fails  false; ERROR_MEMORY, ERROR_STOPPED. */
+bool render_records(const Gatherer *gatherer, const Camera *camera, const RenderOptions *options,
+                    const Monitor *monitor, Error *err);
+
 /* Irradiance at a free point with a unit normal: direct from lamps and lights, and indirect; and
  * the standard error of their sum (luminance) from 16 independent scramblings; a shadow so narrow
  * that no ray to a lamp meets it is not in it. rays: hemisphere rays in all; a quarter as many, 32

@@ -261,19 +261,23 @@ static bool find_mean(Render *render, RenderReport *report, Error *err)
 
 /* --- running ---------------------------------------------------------------------------------- */
 
-/* What comes before the tiles: records of light, the mean, tiles of an earlier run. */
-static bool prepare(Render *render, RenderReport *report, Error *err)
+static bool fill_records(const Render *render, uint64_t *rays, Error *err)
 {
     const RenderOptions *o = render->options;
     const RecordsWish wish = { .width = render->image->width, .height = render->image->height,
                                .rays = o->record_rays, .clear = !o->diffuse_only,
                                .seed = o->seed, .threads = o->threads };
+    return o->records == NULL || records_fill(o->records, render->gatherer, &render->camera, &wish,
+                                              rays, render->monitor, err);
+}
+
+/* What comes before the tiles: records of light, the mean, tiles of an earlier run. */
+static bool prepare(Render *render, RenderReport *report, Error *err)
+{
+    const RenderOptions *o = render->options;
     render->rays = array_create(render->tiles, sizeof *render->rays, "picture", err);
     render->samples = array_create(render->tiles, sizeof *render->samples, "picture", err);
-    if (!workers_create(render, err))
-        return false;
-    if (o->records != NULL && !records_fill(o->records, render->gatherer, &render->camera, &wish,
-                                            &report->rays, render->monitor, err))
+    if (!workers_create(render, err) || !fill_records(render, &report->rays, err))
         return false;
     if (o->error > 0 &&
         (!image_add_deviation(render->image, err) || !find_mean(render, report, err)))
@@ -320,6 +324,21 @@ static void render_run(Render *render, RenderReport *report, Error *err)
     array_free(render->bright);
 }
 
+/* All but what running makes; with an image unless *err is set. */
+static void render_init(Render *render, const Gatherer *gatherer, const Camera *camera,
+                        const RenderOptions *o, const Monitor *monitor, Error *err)
+{
+    *render = (Render){ .gatherer = gatherer, .options = o, .monitor = monitor,
+                        .image = image_create_part(o->width, o->height, o->crop, err) };
+    if (render->image == NULL)
+        return;
+    render->tiles_x = ((uint32_t)render->image->width + TILE - 1) / TILE;
+    render->tiles = render->tiles_x * (((uint32_t)render->image->height + TILE - 1) / TILE);
+    camera_rays_init(&render->camera, camera, o->width, o->height);
+    camera_rays_crop(&render->camera, render->image->left, render->image->top);
+    filter_table_init(&render->filter, o->filter);
+}
+
 Image *render_gather(const Gatherer *gatherer, const Camera *camera, const RenderOptions *options,
                      RenderReport *report, const Monitor *monitor, Error *err)
 {
@@ -329,17 +348,26 @@ Image *render_gather(const Gatherer *gatherer, const Camera *camera, const Rende
     assert(gatherer != NULL);
     const RenderOptions o = with_defaults(options);
     RenderReport        unused;
-    Render render = { .gatherer = gatherer, .options = &o,
-                      .image = image_create_part(o.width, o.height, o.crop, err) };
+    Render              render;
+    render_init(&render, gatherer, camera, &o, monitor, err);
     if (render.image == NULL)
         return NULL;
-    render.tiles_x = ((uint32_t)render.image->width + TILE - 1) / TILE;
-    render.tiles = render.tiles_x * (((uint32_t)render.image->height + TILE - 1) / TILE);
-    render.monitor = monitor;
-    camera_rays_init(&render.camera, camera, o.width, o.height);
-    camera_rays_crop(&render.camera, render.image->left, render.image->top);
-    filter_table_init(&render.filter, o.filter);
     render_run(&render, report != NULL ? report : &unused, err);
     return error_is_set(err) && err->code != ERROR_STOPPED ? image_destroy(render.image)
                                                            : render.image;
+}
+
+bool render_records(const Gatherer *gatherer, const Camera *camera, const RenderOptions *options,
+                    const Monitor *monitor, Error *err)
+{
+    assert(gatherer != NULL && camera != NULL && options != NULL && err != NULL);
+    if (error_is_set(err))
+        return false;
+    const RenderOptions o = with_defaults(options);
+    Render              render;
+    uint64_t            rays = 0;
+    render_init(&render, gatherer, camera, &o, monitor, err);
+    const bool filled = render.image != NULL && fill_records(&render, &rays, err);
+    image_destroy(render.image);
+    return filled;
 }

@@ -60,7 +60,7 @@ ok "then it is taken away" test ! -e "$mark"
 
 ok "a picture, unbroken" exits 0 render "$cube" -o "$DIR/a.exr" "${some[@]}" "${view[@]}"
 ok "time limit in the picture" exits 5 render "$cube" -o "$DIR/b.exr" "${some[@]}" "${view[@]}" \
-    --spp 4096 --checkpoint 1h --time-limit 1.5s
+    --spp 65536 --error 0.01% --checkpoint 1h --time-limit 1.5s
 ok "a checkpoint is there" test -s "$DIR/b.exr.checkpoint"
 broken TERM "$DIR/b.exr" render "$cube" "${some[@]}" "${view[@]}"
 ok "a picture, broken" test "$CODE" = 5
