@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "app/commands.h"
+#include "app/light_layers.h"
 #include "app/picture_files.h"
 #include "app/pipeline_accuracy.h"
 #include "app/pipeline_picture.h"
@@ -37,7 +38,8 @@ static void begin_view(Pipeline *pipeline, uint32_t k)
 static bool images_fit(Pipeline *pipeline, Error *err)
 {
     uint64_t pixels = 0;
-    const uint64_t layers = (3 * 6 + 1) * sizeof(float) + sizeof(uint32_t);
+    const uint64_t layers = (3 * 6 + 1 + 3 * (uint64_t)light_layers_count(pipeline)) *
+                                sizeof(float) + sizeof(uint32_t);
     for (uint32_t k = pipeline->view_count; k-- > 0;) { /* the first last: it is to stay */
         choose_view(pipeline, k);
         const uint64_t n = (uint64_t)pipeline->width * (uint64_t)pipeline->height;
@@ -116,8 +118,10 @@ static bool take_pictures(Pipeline *pipeline, int *exit_code, Error *err)
 {
     Session *session = pipeline->session;
     const uint32_t before = saving_views_before(pipeline->saving);
-    PictureMaker maker;
-    bool good = picture_maker_begin(&maker, pipeline, err), stopped = false;
+    PictureMaker maker = { 0 };
+    bool good = (light_layers_count(pipeline) == 0 || images_fit(pipeline, err)) &&
+                picture_maker_begin(&maker, pipeline, err);
+    bool stopped = false;
     uint32_t k = 0;
     for (; good && !stopped && k < pipeline->picture_count; k++) {
         PictureReport *p = &pipeline->picture[k];

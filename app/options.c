@@ -124,7 +124,7 @@ static const OptionRow option_rows[OPTION_COUNT] = {
     { OPTION_CHANGES, "--changes", "FILE", SOLVING, KIND_TEXT, FIELD(changes), 0, 0, NULL,
       "the same as JSON: { \"lamp\": { \"emission\": \"*0.5\" } }" },
     { OPTION_LIGHT_GROUPS, "--light-groups", NULL, SOLVING, KIND_FLAG, FIELD(light_groups), 0, 0,
-      NULL, "solve each emitting group and light apart, and mix them when dimmed" },
+      NULL, "solve each emitting group and light apart: mixed when dimmed; layers of pictures" },
     { OPTION_CHECKPOINT, "--checkpoint", "T", SAVING, KIND_SECONDS, FIELD(checkpoint), 0, BIG,
       NULL, "save what is done every 30s, 5min, and when stopped, as RESULT.checkpoint" },
     { OPTION_RESUME, "--resume", "FILE", SAVING, KIND_TEXT, FIELD(resume), 0, 0, NULL,

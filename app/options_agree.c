@@ -28,8 +28,8 @@ static bool together(const Options *options, Error *err)
     if (options->error > 0 && options_given(options, OPTION_ACCURACY) &&
         options->renderer != RENDERER_GATHER)
         return error_set(err, ERROR_USAGE, "paths have one error: give --error or --accuracy");
-    if (options->light_groups && options->command != COMMAND_SOLVE && options->set.count == 0 &&
-        options->changes == NULL)
+    if (options->light_groups && options->command != COMMAND_SOLVE &&
+        options->command != COMMAND_RENDER && options->set.count == 0 && options->changes == NULL)
         return error_set(err, ERROR_USAGE, "--light-groups mixes lamps that --set or --changes "
                          "dims: give one of them");
     if (options->logarithmic && options_given(options, OPTION_RANGE) && !(options->range[0] > 0))
@@ -129,6 +129,9 @@ static bool renderer_reads(const Options *options, Error *err)
         return true;
     if (options_given(options, OPTION_DEPTH) && options->renderer != RENDERER_WHITTED)
         return error_set(err, ERROR_USAGE, "--depth belongs to --renderer whitted");
+    if (options->light_groups && options->record_rays > 0)
+        return error_set(err, ERROR_USAGE, "--record-rays: records know nothing of --light-groups, "
+                         "where every camera ray gathers");
     if (options->renderer == RENDERER_GATHER)
         return true;
     if (options->renderer == RENDERER_WHITTED && (options_given(options, OPTION_ACCURACY) ||

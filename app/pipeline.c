@@ -436,7 +436,9 @@ bool pipeline_solve(Pipeline *pipeline, Error *err)
     const bool solved = pipeline->solution != NULL; /* by an earlier run */
     if (!pipeline_light(pipeline, err))
         return false;
-    if (session->options.light_groups && !pipeline_light_groups(pipeline, err))
+    /* Of a change that is no dimmer an earlier run has kept the groups after it. */
+    const bool groups = session->options.light_groups && !(solved && !changes_dim(pipeline));
+    if (groups && !pipeline_light_groups(pipeline, err))
         return false;
     if (!solved && !(session->settings.stochastic ? pipeline_stochastic_solve(pipeline, err)
                                                   : run_solver(pipeline, err)))

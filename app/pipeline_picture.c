@@ -4,6 +4,7 @@
 
 #include <assert.h>
 
+#include "app/light_layers.h"
 #include "app/pipeline_path.h"
 #include "app/saving.h"
 
@@ -31,6 +32,8 @@ bool picture_maker_begin(PictureMaker *maker, Pipeline *pipeline, Error *err)
         return pipeline_path_begin(pipeline, &maker->copies, err);
     hurry_picture(pipeline);
     maker->gatherer = gatherer_create(&pipeline->room, pipeline->solution, pipeline->links, err);
+    if (maker->gatherer == NULL || !light_layers_split(pipeline, maker->gatherer, err))
+        return false;
     if (pipeline->session->settings.record_rays > 0)
         maker->records = records_create(err);
     return !error_is_set(err);

@@ -171,11 +171,20 @@ static SolveOptions solve_options(const Pipeline *p)
                            .threads = settings->threads };
 }
 
+/* Groups of an earlier run must be those that there are. */
+static bool groups_fit(const Pipeline *p, Error *err)
+{
+    return p->relit.groups->groups == p->relit.group_count ||
+           error_at(err, ERROR_INPUT, p->session->options.resume, 0, "holds other light groups");
+}
+
 bool pipeline_light_groups(Pipeline *p, Error *err)
 {
     Relit *relit = &p->relit;
     if (!find_groups(p, err))
         return false;
+    if (relit->groups != NULL)
+        return groups_fit(p, err);
     LightGroup *group = array_create(relit->group_count, sizeof *group, "light groups", err);
     const uint64_t bytes = (uint64_t)relit->group_count * p->patches->count * ROOM_BANDS *
                            (2 + 1) * sizeof(double);
@@ -202,16 +211,24 @@ bool pipeline_light_groups(Pipeline *p, Error *err)
     return relit->groups != NULL;
 }
 
-/* Dimmers of a change in emission, when a factor on whole light groups is all it is. */
-static bool find_dimmers(const Pipeline *p, double *dimmer)
+bool changes_dim(const Pipeline *p)
+{
+    bool dim = true;
+    for (size_t i = 0; i < p->changes.count; i++) {
+        const Change *c = &p->changes.change[i];
+        dim = dim && c->what == CHANGE_EMISSION && c->factor && c->kind != CHANGE_MATERIAL;
+    }
+    return dim;
+}
+
+/* Dimmers of changes that are all factors on whole light groups. */
+static void find_dimmers(const Pipeline *p, double *dimmer)
 {
     const Relit *relit = &p->relit;
     for (uint32_t k = 0; k < relit->group_count * ROOM_BANDS; k++)
         dimmer[k] = 1;
     for (size_t i = 0; i < p->changes.count; i++) {
         const Change *c = &p->changes.change[i];
-        if (c->what != CHANGE_EMISSION || !c->factor || c->kind == CHANGE_MATERIAL)
-            return false;
         for (uint32_t k = 0; k < relit->group_count; k++) {
             const bool lamp = c->kind == CHANGE_GROUP && relit->group_of[c->index] == k;
             const bool light = c->kind == CHANGE_LIGHT && k >= relit->first_light &&
@@ -223,21 +240,24 @@ static bool find_dimmers(const Pipeline *p, double *dimmer)
             dimmer[k * ROOM_BANDS + 2] *= c->value.b;
         }
     }
-    return true;
 }
 
 /* --- the new light ---------------------------------------------------------------------------- */
 
-static bool mix(Pipeline *p, Error *err)
+static bool mix(Pipeline *p, bool solved, Error *err)
 {
     Relit *relit = &p->relit;
-    double *dimmer = array_create((size_t)relit->group_count * ROOM_BANDS, sizeof *dimmer,
-                                  "dimmers", err);
-    relit->mixed = dimmer != NULL && relit->groups != NULL && find_dimmers(p, dimmer);
-    if (relit->mixed)
-        light_groups_mix(relit->groups, dimmer, p->session->settings.threads, p->solution);
-    array_free(dimmer);
-    return !error_is_set(err);
+    relit->mixed = relit->groups != NULL && changes_dim(p);
+    if (!relit->mixed)
+        return true;
+    relit->dimmer = array_create((size_t)relit->group_count * ROOM_BANDS, sizeof *relit->dimmer,
+                                 "dimmers", err);
+    if (relit->dimmer == NULL)
+        return false;
+    find_dimmers(p, relit->dimmer);
+    if (!solved)
+        light_groups_mix(relit->groups, relit->dimmer, p->session->settings.threads, p->solution);
+    return true;
 }
 
 static bool solve_again(Pipeline *p, const double *received, Error *err)
@@ -263,6 +283,15 @@ static double cpu_now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+/* Groups that are to be found and solved anew. */
+static void relit_forget(Relit *relit)
+{
+    relit->groups = light_groups_destroy(relit->groups);
+    relit->name = array_free(relit->name);
+    relit->group_of = array_free(relit->group_of);
+    relit->group_count = relit->first_light = 0;
+}
+
 bool pipeline_relight(Pipeline *p, bool solved, Error *err)
 {
     const double begin = progress_now(), cpu = cpu_now();
@@ -272,12 +301,19 @@ bool pipeline_relight(Pipeline *p, bool solved, Error *err)
     p->reflectance = array_free(p->reflectance);
     double *received = p->direct.irradiance; /* what arrived before */
     bool done = p->relit.lights_changed ? pipeline_light(p, err) : pipeline_problem(p, err);
-    if (done && !solved)
-        done = mix(p, err) && (p->relit.mixed || solve_again(p, received, err));
+    done = done && mix(p, solved, err) &&
+           (solved || p->relit.mixed || solve_again(p, received, err));
     if (received != p->direct.irradiance)
         array_free(received);
     p->relit.seconds = progress_now() - begin;
     p->relit.cpu_seconds = cpu_now() - cpu;
+    /* Layers of pictures are of the light as it is now. */
+    if (done && p->session->options.light_groups && !p->relit.mixed &&
+        p->session->options.command == COMMAND_RENDER) {
+        if (!solved)
+            relit_forget(&p->relit);
+        done = pipeline_light_groups(p, err);
+    }
     return done;
 }
 
@@ -286,5 +322,8 @@ void relit_clear(Relit *relit)
     light_groups_destroy(relit->groups);
     array_free(relit->name);
     array_free(relit->group_of);
+    array_free(relit->dimmer);
+    array_free(relit->layer_text);
+    array_free(relit->layer_name);
     *relit = (Relit){ 0 };
 }

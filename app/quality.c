@@ -45,7 +45,7 @@ static bool uses_records(const Options *options)
     const uint32_t rays = options_given(options, OPTION_RECORD_RAYS)
                               ? options->record_rays : pictures[options->quality].record_rays;
     return options->command == COMMAND_RENDER && options->renderer == RENDERER_GATHER &&
-           rays > 0 && !(options->gather_rays > 0);
+           rays > 0 && !(options->gather_rays > 0) && !options->light_groups;
 }
 
 /* By default only where the number of patches is free: who asks for a size means it. Factors that

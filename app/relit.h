@@ -10,6 +10,9 @@ typedef struct {
     uint32_t     group_count, first_light; /* from first_light on: point lights */
     const char **name;         /* [group_count]  the scene's */
     uint32_t    *group_of;     /* [groups of the scene]  light group; UINT32_MAX: none */
+    double      *dimmer;       /* [group_count * bands]  what `mixed` groups were dimmed by */
+    char        *layer_text;   /* names of layers, see layer_name */
+    const char **layer_name;   /* [group_count + 1]  the last: light of no group */
     double       groups_seconds;
     bool         lights_changed, mixed; /* mixed: from light groups, not solved for */
     double       seconds, cpu_seconds; /* from the change to the new solution */

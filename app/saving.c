@@ -90,16 +90,30 @@ static uint64_t find_key(const Pipeline *p)
 
 /* --- saving ----------------------------------------------------------------------------------- */
 
-static void add_note(const Saving *s, Checkpoint *c, Note *note)
+/* The note, and light groups behind it where the solution is known.
+ * owns   the caller frees the part. */
+static bool add_note(const Saving *s, Checkpoint *c, Error *err)
 {
     const Pipeline *p = s->pipeline;
-    *note = (Note){ .state = s->state, .passes = p->adapt.passes, .adapt = p->adapt,
+    const bool grouped = s->state == SAVING_SOLUTION && p->relit.groups != NULL;
+    void  *groups = NULL;
+    size_t size = 0;
+    if (grouped && !light_groups_pack(p->relit.groups, &groups, &size, err))
+        return false;
+    unsigned char *bytes = array_create(sizeof(Note) + size, 1, "a checkpoint", err);
+    const Note note = (Note){ .state = s->state, .passes = p->adapt.passes, .adapt = p->adapt,
                     .raw = p->raw, .report = p->report, .change = p->change,
                     .factors_seconds = p->factors_seconds,
                     .closure_seconds = p->closure_seconds, .rounding = p->rounding,
                     .view = s->view };
-    c->part[PART_NOTE] = note;
-    c->size[PART_NOTE] = sizeof *note;
+    c->part[PART_NOTE] = bytes;
+    c->size[PART_NOTE] = sizeof note + size;
+    if (bytes != NULL) {
+        memcpy(bytes, &note, sizeof note);
+        memcpy(bytes + sizeof note, groups, size);
+    }
+    array_free(groups);
+    return bytes != NULL;
 }
 
 /* All of the links but the links: the solution needs no more. */
@@ -118,24 +132,25 @@ static bool save(Saving *s, Error *err)
     const bool under_way = s->rows != NULL && kept_rows_casting(s->rows);
     Checkpoint c = { .key = s->key, .passes = p->adapt.passes };
     Links bare = { 0 };
-    Note note;
     if (s->state == SAVING_LINKS && under_way)
         c.passes = s->passes;
     memcpy(c.count, s->count, sizeof c.count);
     memcpy(c.split, s->split, sizeof c.split);
     c.rows = under_way ? s->rows : NULL;
-    add_note(s, &c, &note);
+    if (!add_note(s, &c, err))
+        return false;
     if (s->state == SAVING_LINKS)
         c.links = p->links;
     if (s->state == SAVING_SOLUTION) {
         if (!bare_links(p->links, &bare, err) ||
             (s->tiles != NULL &&
              !kept_tiles_pack(s->tiles, &c.part[PART_TILES], &c.size[PART_TILES], err)))
-            return array_free(bare.first) != NULL;
+            return array_free(bare.first) != NULL || array_free(c.part[PART_NOTE]) != NULL;
         c.links = &bare;
         c.solution = p->solution;
     }
     const bool saved = checkpoint_save(&c, s->path, err);
+    array_free(c.part[PART_NOTE]);
     array_free(c.part[PART_TILES]);
     array_free(bare.first);
     return saved;
@@ -177,7 +192,7 @@ static bool refuse(const Saving *s, const char *why, Error *err)
 static bool take_note(const Saving *s, Note *note, Error *err)
 {
     const Checkpoint *c = &s->loaded;
-    if (c->part[PART_NOTE] == NULL || c->size[PART_NOTE] != sizeof *note)
+    if (c->part[PART_NOTE] == NULL || c->size[PART_NOTE] < sizeof *note)
         return refuse(s, "is a checkpoint of another version", err);
     memcpy(note, c->part[PART_NOTE], sizeof *note);
     const bool pass = c->rows != NULL && note->state == SAVING_LINKS;
@@ -229,6 +244,13 @@ static bool take_links(Saving *s, const Note *note, Error *err)
     p->closure_seconds = note->closure_seconds;
     p->rounding = note->rounding;
     s->views_before = note->view;
+    if (c->size[PART_NOTE] > sizeof *note) {
+        const unsigned char *groups = (const unsigned char *)c->part[PART_NOTE] + sizeof *note;
+        p->relit.groups = light_groups_unpack(groups, c->size[PART_NOTE] - sizeof *note, count,
+                                              err);
+        if (p->relit.groups == NULL)
+            return refuse(s, "holds light groups that cannot be", err);
+    }
     if (c->rows != NULL) {
         kept_rows_destroy(s->rows);
         s->rows = c->rows;

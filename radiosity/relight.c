@@ -159,6 +159,49 @@ LightGroups *light_groups_solve(const Links *links, unsigned bands, const double
     return error_is_set(err) ? light_groups_destroy(g) : g;
 }
 
+/* --- as bytes --------------------------------------------------------------------------------- */
+
+bool light_groups_pack(const LightGroups *groups, void **bytes, size_t *size, Error *err)
+{
+    const size_t values = (size_t)groups->groups * groups->count * groups->bands * sizeof(double);
+    LightGroups  head = *groups;
+    head.radiosity = head.irradiance = NULL;
+    *size = sizeof head + 2 * values;
+    unsigned char *out = array_create(*size, 1, what, err);
+    *bytes = out;
+    if (out == NULL)
+        return false;
+    memcpy(out, &head, sizeof head);
+    memcpy(out + sizeof head, groups->radiosity, values);
+    memcpy(out + sizeof head + values, groups->irradiance, values);
+    return true;
+}
+
+LightGroups *light_groups_unpack(const void *bytes, size_t size, uint32_t count, Error *err)
+{
+    LightGroups head;
+    assert(bytes != NULL || size == 0);
+    if (size < sizeof head)
+        return NULL;
+    memcpy(&head, bytes, sizeof head);
+    const size_t rest = size - sizeof head, each = (size_t)head.count * head.bands;
+    if (head.count != count || head.bands < 1 || head.bands > BANDS_MOST ||
+        (head.groups > 0) != (rest > 0) || rest % 16 != 0 ||
+        (each > 0 && (rest / 16 % each != 0 || rest / 16 / each != head.groups)))
+        return NULL;
+    LightGroups *g = array_create(1, sizeof *g, what, err);
+    if (g == NULL)
+        return NULL;
+    *g = head;
+    g->radiosity = array_create(rest / 16, sizeof(double), what, err);
+    g->irradiance = array_create(rest / 16, sizeof(double), what, err);
+    if (error_is_set(err))
+        return light_groups_destroy(g);
+    memcpy(g->radiosity, (const unsigned char *)bytes + sizeof head, rest / 2);
+    memcpy(g->irradiance, (const unsigned char *)bytes + sizeof head + rest / 2, rest / 2);
+    return g;
+}
+
 /* --- mixing ----------------------------------------------------------------------------------- */
 
 typedef struct {

@@ -53,6 +53,13 @@ LightGroups *light_groups_solve(const Links *links, unsigned bands, const double
 /* Frees; NULL is allowed. Always returns NULL. */
 LightGroups *light_groups_destroy(LightGroups *groups);
 
+/* The groups as bytes, for a checkpoint.
+ * owns   the caller frees *bytes with array_free.
+ * fails  false; ERROR_MEMORY. */
+bool light_groups_pack(const LightGroups *groups, void **bytes, size_t *size, Error *err);
+/* And back. fails  NULL: they are no groups of `count` patches; or ERROR_MEMORY. */
+LightGroups *light_groups_unpack(const void *bytes, size_t size, uint32_t count, Error *err);
+
 /* *out = the sum of all groups, each times its dimmer [groups * bands] >= 0. out is a solution of
  * that many patches and bands; its residual becomes the groups' own, of which it is a mean; its
  * bound follows where it has `reflected` of the same reflectance. */

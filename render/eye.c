@@ -3,11 +3,14 @@
 #include "render/eye.h"
 
 #include <assert.h>
+#include <string.h>
 
+#include "base/array.h"
 #include "math/sampling.h"
 #include "radiosity/places.h"
 #include "render/normals.h"
 #include "render/specular.h"
+#include "render/split.h"
 
 enum { BOUNCES = 8 };
 enum { SEED_PIXEL = 100, SEED_SPECULAR, SEED_LENS, SEED_WAVE = 200 }; /* + bounce for the last */
@@ -71,6 +74,13 @@ static void read_records(Eye *eye, const EyeSample *sample, uint32_t points, uns
     }
 }
 
+/* Light of a group that the eye sees by itself. */
+static void add_seen(Pixel *pixel, uint32_t group, Rgb light)
+{
+    if (pixel->split != NULL)
+        pixel->split[group] = rgb_add(pixel->split[group], light);
+}
+
 /* Handles one end of an eye's ray: what it shows by itself, a receiving point, a ray further on.
  * Returns whether *on was filled. */
 static bool end_of_ray(Eye *eye, const EyeSample *samples, uint32_t i, unsigned bounce,
@@ -80,9 +90,11 @@ static bool end_of_ray(Eye *eye, const EyeSample *samples, uint32_t i, unsigned 
     const EyeRay    *ray = &eye->eye[i];
     const EyeSample *sample = &samples[ray->sample];
     Pixel           *pixel = sample->pixel;
+    const Split     *split = eye->gatherer->split;
     if (eye->hit[i].primitive == RAY_MISS) {
-        pixel->radiance = rgb_add(pixel->radiance,
-                                  rgb_mul(ray->weight, eye->options->background));
+        const Rgb light = rgb_mul(ray->weight, eye->options->background);
+        pixel->radiance = rgb_add(pixel->radiance, light);
+        add_seen(pixel, split != NULL ? split->count : 0, light);
         return false;
     }
     const Vec3 in = vec3(ray->ray.dx, ray->ray.dy, ray->ray.dz);
@@ -90,8 +102,11 @@ static bool end_of_ray(Eye *eye, const EyeSample *samples, uint32_t i, unsigned 
     room_hit(room, &eye->hit[i], in, &hit);
     Material        scratch;
     const Material *m = places_hit(room, &hit, &scratch);
-    if (emits(room, &hit))
-        pixel->radiance = rgb_add(pixel->radiance, rgb_mul(ray->weight, m->emission));
+    if (emits(room, &hit)) {
+        const Rgb light = rgb_mul(ray->weight, m->emission);
+        pixel->radiance = rgb_add(pixel->radiance, light);
+        add_seen(pixel, split != NULL ? split_emission(split, hit.surface, hit.side) : 0, light);
+    }
     if (bounce == 0 || rgb_max(m->reflectance) > 0)
         receive_point(eye, sample, ray, &hit, m->reflectance, bounce, &eye->point[(*points)++]);
     if (eye->options->diffuse_only || bounce == BOUNCES || !specular_exists(m))
@@ -124,6 +139,13 @@ static void add_point(const EyePoint *point, Rgb direct, Rgb indirect, unsigned 
     pixel->irradiance = rgb_add(pixel->irradiance, e);
 }
 
+/* The same by groups: light [groups + 1]. */
+static void add_groups(const EyePoint *point, const Rgb *light, uint32_t groups, Pixel *pixel)
+{
+    for (uint32_t k = 0; pixel->split != NULL && k <= groups; k++)
+        pixel->split[k] = rgb_add(pixel->split[k], rgb_mul(point->throughput, light[k]));
+}
+
 /* Light at the receiving points of one bounce; those without a record come first and gather. */
 static void gather_points(Eye *eye, const EyeSample *sample, uint32_t points, unsigned bounce)
 {
@@ -140,10 +162,14 @@ static void gather_points(Eye *eye, const EyeSample *sample, uint32_t points, un
     }
     const WaveOptions wave = { .gather_rays = o->gather_rays, .lamp_rays = o->light_rays,
                                .lights = true, .clear = !o->diffuse_only,
-                               .guides = &eye->guides };
+                               .guides = &eye->guides, .split = eye->split };
     wave_gather(&eye->wave, points, gathered, &wave);
+    const uint32_t groups = eye->split != NULL ? eye->gatherer->split->count : 0;
+    assert(eye->split == NULL || o->records == NULL);
     for (uint32_t k = 0; k < points; k++) {
         const EyePoint *p = &eye->point[order[k]];
+        if (eye->split != NULL)
+            add_groups(p, eye->split + (size_t)k * (groups + 1), groups, sample[p->sample].pixel);
         add_point(p, eye->wave.direct[k],
                   p->known ? p->recorded.irradiance : eye->wave.indirect[k], bounce,
                   sample[p->sample].pixel);
@@ -169,6 +195,38 @@ static uint32_t start_rays(Eye *eye, const EyeSample *sample, uint32_t count)
     }
     return seen;
 }
+
+/* --- light groups ----------------------------------------------------------------------------- */
+
+bool eye_split_create(Eye *eye, Error *err)
+{
+    const Split *split = eye->gatherer->split;
+    if (split == NULL)
+        return true;
+    const size_t each = (size_t)split->count + 1;
+    eye->split = array_create(WAVE_POINTS * each, sizeof(Rgb), "light groups", err);
+    eye->sums = array_create(EYE_SUMS * each, sizeof(Rgb), "light groups", err);
+    return !error_is_set(err);
+}
+
+void eye_split_destroy(Eye *eye)
+{
+    array_free(eye->split);
+    array_free(eye->sums);
+}
+
+Rgb *eye_sums(const Eye *eye, uint32_t slot)
+{
+    assert(slot < EYE_SUMS);
+    if (eye->sums == NULL)
+        return NULL;
+    const size_t each = (size_t)eye->gatherer->split->count + 1;
+    Rgb *sums = eye->sums + slot * each;
+    memset(sums, 0, each * sizeof *sums);
+    return sums;
+}
+
+/* --- samples ---------------------------------------------------------------------------------- */
 
 void eye_gather(Eye *eye, const EyeSample *sample, uint32_t count)
 {

@@ -16,6 +16,7 @@
 typedef struct {
     Rgb    radiance, direct, indirect, albedo, irradiance;
     double deviation; /* of the radiance's luminance, from noise of records: all samples share it */
+    Rgb   *split;     /* [groups + 1]  the radiance by light groups; NULL: not asked for */
 } Pixel;
 
 typedef struct {
@@ -42,12 +43,17 @@ typedef struct {
     uint32_t  sample;
 } EyePoint;
 
+/* Pixels under way at once: two halves of each of a tile. */
+enum { EYE_SUMS = 2 * 16 * 16 };
+
 /* What a thread needs to trace samples. */
 typedef struct {
     const Gatherer      *gatherer;
     const RenderOptions *options; /* defaults filled in */
     const CameraRays    *camera;
     const FilterTable   *filter;
+    Rgb     *split;    /* [WAVE_POINTS * (groups + 1)]  scratch; NULL: no groups (render/split.h) */
+    Rgb     *sums;     /* [EYE_SUMS * (groups + 1)]  of pixels; NULL likewise */
     Guides   guides;
     Wave     wave;
     EyeRay   eye[WAVE_POINTS];
@@ -55,6 +61,12 @@ typedef struct {
     Ray      ray[WAVE_POINTS];
     Hit      hit[WAVE_POINTS];
 } Eye;
+
+/* Space for light groups, where the gatherer tells them apart. */
+bool eye_split_create(Eye *eye, Error *err);
+void eye_split_destroy(Eye *eye);
+/* Sums number `slot` < EYE_SUMS, zeros, for a Pixel; NULL without groups. */
+Rgb *eye_sums(const Eye *eye, uint32_t slot);
 
 /* The ray through a point of the picture; false: nothing is shown there. */
 bool eye_ray(const CameraRays *camera, double x, double y, const float *lens, Ray *ray);

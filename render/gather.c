@@ -12,6 +12,7 @@
 #include "render/clear.h"
 #include "render/normals.h"
 #include "render/specular.h"
+#include "render/split.h"
 #include "render/wave.h"
 
 /* Extents of patches, and the largest on each side of a surface. */
@@ -109,6 +110,7 @@ Gatherer *gatherer_destroy(Gatherer *g)
     if (g == NULL)
         return NULL;
     lamps_clear(&g->lamps);
+    split_destroy(g->split);
     array_free(g->vertex);
     array_free(g->extent);
     array_free(g->widest[0]);

@@ -26,6 +26,22 @@ Gatherer *gatherer_create(const Room *room, const Solution *solution, const Link
                           Error *err);
 Gatherer *gatherer_destroy(Gatherer *gatherer);
 
+/* Groups of lamps whose light pictures shall have in layers of their own, beside all of it. */
+typedef struct {
+    uint32_t      count;
+    uint32_t      first_light; /* light k of the room is in group first_light + k; count - lights */
+    const double *radiosity;   /* [count * patches->count * ROOM_BANDS]  with that group alone */
+    const double *dimmer;      /* [count * ROOM_BANDS]  times that; NULL: 1 */
+    const uint32_t *of_group;  /* [groups of the scene]  in which its emission is; else >= count */
+    const char *const *name;   /* [count + 1]  of layers; the last: of light that is in none */
+} GatherGroups;
+/* For pictures to come. Then the light that is gathered is the sum of the groups'; records know
+ * nothing of groups and cannot be used with them. What groups points to must outlive the Gatherer
+ * but for radiosity and dimmer.
+ * fails  false; ERROR_MEMORY. */
+bool gatherer_split(Gatherer *gatherer, const GatherGroups *groups, const Links *links,
+                    Error *err);
+
 typedef struct {
     int      width, height; /* of the whole picture */
     uint32_t samples;       /* camera rays per pixel; 0: 64 */

@@ -2,6 +2,7 @@
 /* Layers of a picture: allocation, and what a pixel holds before anything is known of it. */
 #include <assert.h>
 #include <math.h>
+#include <stdio.h>
 
 #include "base/array.h"
 #include "render/internal.h"
@@ -48,6 +49,20 @@ bool image_add_deviation(Image *image, Error *err)
     return image->deviation != NULL;
 }
 
+bool image_add_groups(Image *image, const char *const *name, uint32_t count, Error *err)
+{
+    const size_t pixels = (size_t)image->width * (size_t)image->height;
+    assert(image->group == NULL && name != NULL && err != NULL);
+    image->group = array_create(3 * pixels * count, sizeof(float), "light group layers", err);
+    image->group_name = array_create(count, sizeof *image->group_name, "light group layers", err);
+    if (error_is_set(err))
+        return false;
+    image->group_count = count;
+    for (uint32_t k = 0; k < count; k++)
+        snprintf(image->group_name[k], IMAGE_NAME, "%s", name[k]);
+    return true;
+}
+
 Image *image_create_part(int width, int height, const int part[4], Error *err)
 {
     const bool whole = part[2] == 0 && part[3] == 0;
@@ -80,5 +95,7 @@ Image *image_destroy(Image *image)
     array_free(image->depth);
     array_free(image->patch);
     array_free(image->deviation);
+    array_free(image->group);
+    array_free(image->group_name);
     return array_free(image);
 }

@@ -4,6 +4,7 @@
 #define RENDER_IMAGE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "base/error.h"
@@ -11,6 +12,8 @@
 /* How samples around a pixel's middle count; box: its square alone; the others reach 1, 1.5 and 1.5
  * pixels far. */
 typedef enum { FILTER_BOX, FILTER_TENT, FILTER_GAUSS, FILTER_BLACKMAN_HARRIS } PixelFilter;
+
+enum { IMAGE_NAME = 64 };
 
 typedef struct {
     int    width, height;
@@ -25,16 +28,26 @@ typedef struct {
     float *depth;       /* [..]  distance from the eye, INFINITY: background */
     uint32_t *patch;    /* [..]  patch seen at the pixel's centre, UINT32_MAX: none */
     float *deviation;   /* [..]  standard error of the radiance's luminance; NULL: not estimated */
+    uint32_t group_count; /* layers of light by groups of lamps, whose sum is the radiance */
+    char  (*group_name)[IMAGE_NAME]; /* [group_count]  letters, digits, '-', '_' */
+    float *group;       /* [group_count * 3 * width * height]  one layer after the other */
 } Image;
 
 /* Black, depth INFINITY, patch UINT32_MAX. fails  NULL; ERROR_MEMORY, ERROR_USAGE for a size out of
  * 1..32768. */
 Image *image_create(int width, int height, Error *err);
-/* Adds the layer `deviation`, zeros, unless it is there. fails  false and ERROR_MEMORY. */
-bool image_add_deviation(Image *image, Error *err);
 /* The same for a part of a picture: left, top, right, bottom in pixels; all 0: the whole. fails too
  * when it reaches beyond the picture. */
 Image *image_create_part(int width, int height, const int part[4], Error *err);
+/* Adds the layer `deviation`, zeros, unless it is there. fails  false and ERROR_MEMORY. */
+bool image_add_deviation(Image *image, Error *err);
+/* Adds layers of light groups, zeros. fails  false and ERROR_MEMORY. */
+bool image_add_groups(Image *image, const char *const *name, uint32_t count, Error *err);
+/* Layer k of those. */
+static inline float *image_group(const Image *image, uint32_t k)
+{
+    return image->group + 3 * (size_t)image->width * (size_t)image->height * k;
+}
 /* Frees; NULL is allowed. Always returns NULL. */
 Image *image_destroy(Image *image);
 
@@ -49,8 +62,8 @@ typedef struct {
 } ImageInfo;
 
 /* OpenEXR, 32-bit float, ZIP: channels R G B; direct.R ...; indirect.R ...; albedo.R ...;
- * irradiance.R ...; normal.X Y Z; depth.Z; patch.ID (uint); deviation.Y when there is one.
- * Attributes from info. */
+ * irradiance.R ...; normal.X Y Z; depth.Z; patch.ID (uint); deviation.Y when there is one;
+ * lightgroup.NAME.R ... of each light group. Attributes from info. */
 bool image_write_exr(const Image *image, const ImageInfo *info, const char *path, Error *err);
 /* R G B of an EXR (any of half, float), for comparing; width and height are set.
  * owns   the caller frees with array_free. */

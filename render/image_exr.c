@@ -87,7 +87,7 @@ static exr_context_initializer_t initializer(Memory *memory)
 
 /* --- writing --------------------------------------------------------------------------------- */
 
-enum { CHANNELS_MAX = 24 };
+enum { CHANNELS_USUAL = 24, CHANNEL_NAME = IMAGE_NAME + 16 };
 
 /* A channel and where its first value lies; values are stride elements of 4 bytes apart. */
 typedef struct {
@@ -97,7 +97,30 @@ typedef struct {
     bool        whole; /* unsigned integers instead of floats */
 } Channel;
 
-static void channels_list(const Image *image, Channel list[CHANNELS_MAX], int *count)
+typedef struct {
+    Channel *channel;                 /* [count] */
+    char   (*name)[CHANNEL_NAME];     /* [3 * group_count]  those made for light groups */
+    int      count;
+} Channels;
+
+static int list_groups(const Image *image, Channels *list, int n)
+{
+    for (uint32_t g = 0; g < image->group_count; g++)
+        for (uint32_t k = 0; k < 3; k++) {
+            char *name = list->name[3 * g + k];
+            snprintf(name, CHANNEL_NAME, "lightgroup.%s.%c", image->group_name[g], "RGB"[k]);
+            list->channel[n++] = (Channel){ name, image_group(image, g) + k, 3, false };
+        }
+    return n;
+}
+
+static void channels_clear(Channels *list)
+{
+    array_free(list->channel);
+    array_free(list->name);
+}
+
+static bool channels_list(const Image *image, Channels *list, Error *err)
 {
     static const char *const names[6][3] = {
         { "R", "G", "B" },
@@ -109,16 +132,23 @@ static void channels_list(const Image *image, Channel list[CHANNELS_MAX], int *c
     };
     const float *const layers[6] = { image->radiance, image->direct,     image->indirect,
                                      image->albedo,   image->irradiance, image->normal };
+    const size_t most = CHANNELS_USUAL + 3 * (size_t)image->group_count;
+    *list = (Channels){ 0 };
+    list->channel = array_create(most, sizeof *list->channel, "EXR", err);
+    list->name = array_create(3 * (size_t)image->group_count, sizeof *list->name, "EXR", err);
+    if (error_is_set(err))
+        return false;
     int n = 0;
     for (int layer = 0; layer < 6; layer++)
         for (int k = 0; k < 3; k++)
-            list[n++] = (Channel){ names[layer][k], layers[layer] + k, 3, false };
-    list[n++] = (Channel){ "depth.Z", image->depth, 1, false };
-    list[n++] = (Channel){ "patch.ID", image->patch, 1, true };
+            list->channel[n++] = (Channel){ names[layer][k], layers[layer] + k, 3, false };
+    list->channel[n++] = (Channel){ "depth.Z", image->depth, 1, false };
+    list->channel[n++] = (Channel){ "patch.ID", image->patch, 1, true };
     if (image->deviation != NULL)
-        list[n++] = (Channel){ "deviation.Y", image->deviation, 1, false };
-    assert(n <= CHANNELS_MAX);
-    *count = n;
+        list->channel[n++] = (Channel){ "deviation.Y", image->deviation, 1, false };
+    assert(n <= CHANNELS_USUAL);
+    list->count = list_groups(image, list, n);
+    return true;
 }
 
 static exr_result_t write_vector(exr_context_t file, const char *name, const double v[3])
@@ -177,6 +207,7 @@ static exr_result_t write_head(exr_context_t file, const Image *image, const Ima
                                                     EXR_COMPRESSION_ZIP);
     r = r ? r : exr_set_zip_compression_level(file, 0, ZIP_LEVEL);
     r = r ? r : write_windows(file, image);
+    r = r ? r : exr_set_longname_support(file, image->group_count > 0);
     for (int i = 0; i < count && r == EXR_ERR_SUCCESS; i++)
         r = exr_add_channel(file, 0, list[i].name, list[i].whole ? EXR_PIXEL_UINT : EXR_PIXEL_FLOAT,
                             EXR_PERCEPTUALLY_LINEAR, 1, 1);
@@ -304,19 +335,23 @@ static exr_result_t write_chunks(exr_context_t file, const Image *image, const C
 static bool encode(const Image *image, const ImageInfo *info, const char *path, Memory *memory,
                    Error *err)
 {
-    Channel list[CHANNELS_MAX];
-    int     count;
-    channels_list(image, list, &count);
+    Channels list;
+    if (!channels_list(image, &list, err)) {
+        channels_clear(&list);
+        return false;
+    }
     exr_context_initializer_t init = initializer(memory);
     init.write_fn = memory_write;
     exr_context_t file = NULL;
     exr_result_t  r = exr_start_write(&file, path, EXR_WRITE_FILE_DIRECTLY, &init);
-    r = r ? r : write_head(file, image, info, list, count);
-    r = r ? r : write_chunks(file, image, list, count, info != NULL ? info->threads : 1);
+    r = r ? r : write_head(file, image, info, list.channel, list.count);
+    r = r ? r : write_chunks(file, image, list.channel, list.count,
+                             info != NULL ? info->threads : 1);
     if (file != NULL) {
         const exr_result_t end = exr_finish(&file); /* writes the table of chunks */
         r = r ? r : end;
     }
+    channels_clear(&list);
     if (r != EXR_ERR_SUCCESS && !error_is_set(err))
         error_set(err, r == EXR_ERR_OUT_OF_MEMORY ? ERROR_MEMORY : ERROR_FAILED,
                   "%s: OpenEXR: %s", path,

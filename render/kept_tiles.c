@@ -12,7 +12,9 @@ static const char what[] = "tiles of the picture";
 
 typedef struct {
     int32_t  width, height, tile;
+    uint32_t groups;     /* layers of light groups */
     uint32_t count;      /* of tiles that follow: number, rays, then its pixels' layers */
+    uint32_t unused;
 } TilesHead;
 
 typedef struct {
@@ -33,21 +35,33 @@ struct KeptTiles {
 };
 
 /* Layers as rows of 4-byte values: how many a pixel has, and where they begin. */
-enum { LAYERS = 9, PIXEL_BYTES = 4 * (6 * 3 + 3) };
+enum { LAYERS = 9 };
+static size_t pixel_bytes(uint32_t groups)
+{
+    return 4 * (6 * 3 + 3 + 3 * (size_t)groups);
+}
+
 typedef struct {
     void  *begin;
     size_t bytes;        /* of a pixel */
 } Layer;
 
-static void find_layers(const Image *image, Layer layer[LAYERS])
+static Layer find_layer(const Image *image, uint32_t k)
 {
     float *const three[] = { image->radiance, image->direct, image->indirect, image->albedo,
                              image->irradiance, image->normal };
-    for (int k = 0; k < 6; k++)
-        layer[k] = (Layer){ three[k], 3 * sizeof(float) };
-    layer[6] = (Layer){ image->depth, sizeof(float) };
-    layer[7] = (Layer){ image->patch, sizeof(uint32_t) };
-    layer[8] = (Layer){ image->deviation, sizeof(float) };
+    if (k < 6)
+        return (Layer){ three[k], 3 * sizeof(float) };
+    switch (k) {
+    case 6:
+        return (Layer){ image->depth, sizeof(float) };
+    case 7:
+        return (Layer){ image->patch, sizeof(uint32_t) };
+    case 8:
+        return (Layer){ image->deviation, sizeof(float) };
+    default:
+        return (Layer){ image_group(image, k - LAYERS), 3 * sizeof(float) };
+    }
 }
 
 KeptTiles *kept_tiles_create(Error *err)
@@ -87,19 +101,19 @@ static unsigned char *copy_tile(const KeptTiles *kept, uint32_t number, unsigned
 {
     const Image *image = kept->image;
     const Box box = find_box(image->width, image->height, kept->tile, kept->across, number);
-    Layer layer[LAYERS];
-    find_layers(image, layer);
-    for (int k = 0; k < LAYERS; k++)
+    for (uint32_t k = 0; k < LAYERS + image->group_count; k++) {
+        const Layer layer = find_layer(image, k);
         for (size_t y = box.y; y < box.y + box.height; y++) {
-            const size_t size = box.width * layer[k].bytes;
-            unsigned char *at = layer[k].begin == NULL ? NULL : (unsigned char *)layer[k].begin +
-                                (y * (size_t)image->width + box.x) * layer[k].bytes;
-            if (layer[k].begin == NULL && !into) /* not estimated: room is kept all the same */
+            const size_t size = box.width * layer.bytes;
+            unsigned char *at = layer.begin == NULL ? NULL : (unsigned char *)layer.begin +
+                                (y * (size_t)image->width + box.x) * layer.bytes;
+            if (layer.begin == NULL && !into) /* not estimated: room is kept all the same */
                 memset(bytes, 0, size);
-            else if (layer[k].begin != NULL)
+            else if (layer.begin != NULL)
                 memcpy(into ? at : bytes, into ? bytes : at, size);
             bytes += size;
         }
+    }
     return bytes;
 }
 
@@ -110,8 +124,10 @@ bool kept_tiles_pack(const KeptTiles *kept, void **bytes, size_t *size, Error *e
     if (kept->image == NULL)
         return true;
     const size_t each = sizeof(TileHead) +
-                        (size_t)kept->tile * (size_t)kept->tile * PIXEL_BYTES;
-    TilesHead head = { kept->image->width, kept->image->height, kept->tile, 0 };
+                        (size_t)kept->tile * (size_t)kept->tile *
+                            pixel_bytes(kept->image->group_count);
+    TilesHead head = { .width = kept->image->width, .height = kept->image->height,
+                       .tile = kept->tile, .groups = kept->image->group_count };
     uint32_t *number = array_create(kept->count, sizeof *number, what, err);
     for (uint32_t k = 0; number != NULL && k < kept->count; k++)
         if (kept_tiles_has(kept, k))
@@ -137,12 +153,12 @@ bool kept_tiles_pack(const KeptTiles *kept, void **bytes, size_t *size, Error *e
 /* Whether the bytes are tiles of one picture, each within it, and just these. */
 static bool tiles_check(const unsigned char *bytes, size_t size, TilesHead *head)
 {
-    enum { EDGE_MOST = 1 << 15 };
+    enum { EDGE_MOST = 1 << 15, GROUPS_MOST = 1 << 20 };
     if (size < sizeof *head)
         return false;
     memcpy(head, bytes, sizeof *head);
     if (head->width < 1 || head->height < 1 || head->tile < 1 || head->width > EDGE_MOST ||
-        head->height > EDGE_MOST || head->tile > EDGE_MOST)
+        head->height > EDGE_MOST || head->tile > EDGE_MOST || head->groups > GROUPS_MOST)
         return false;
     const uint32_t across = tiles_along(head->width, head->tile);
     const uint32_t count = across * tiles_along(head->height, head->tile);
@@ -156,9 +172,9 @@ static bool tiles_check(const unsigned char *bytes, size_t size, TilesHead *head
         if (tile.number >= count)
             return false;
         const Box box = find_box(head->width, head->height, head->tile, across, tile.number);
-        if ((size - at) / PIXEL_BYTES < box.width * box.height)
+        if ((size - at) / pixel_bytes(head->groups) < box.width * box.height)
             return false;
-        at += box.width * box.height * PIXEL_BYTES;
+        at += box.width * box.height * pixel_bytes(head->groups);
     }
     return at == size;
 }
@@ -187,7 +203,7 @@ static void take_unpacked(KeptTiles *kept)
         return;
     memcpy(&head, bytes, sizeof head);
     const bool same = head.width == kept->image->width && head.height == kept->image->height &&
-                      head.tile == kept->tile;
+                      head.tile == kept->tile && head.groups == kept->image->group_count;
     unsigned char *at = kept->bytes + sizeof head;
     for (uint32_t k = 0; same && k < head.count; k++) {
         TileHead tile;

@@ -248,7 +248,8 @@ bool lamps_sample(const Lamps *lamps, const Receiver *at, const LampPlan *plan, 
         k = pick(below, lamps->count, &x);
         chance = (below[k + 1] - below[k]) / total;
     }
-    *out = (LampSample){ .point = at->point, .normal = at->normal }; /* a lamp seen from behind */
+    *out = (LampSample){ .point = at->point, .normal = at->normal, /* a lamp seen from behind */
+                         .lamp = k == LAMP_TREE_NONE ? LAMP_NONE : k };
     out->value = out->control = rgb(0, 0, 0);
     if (k == LAMP_TREE_NONE)
         return true;
@@ -274,6 +275,13 @@ bool lamps_sample(const Lamps *lamps, const Receiver *at, const LampPlan *plan, 
         out->control = rgb_scale(lamp->radiance, total / lamp->strength);
     }
     return true;
+}
+
+Rgb lamps_control(const Lamps *lamps, uint32_t k, const Receiver *at)
+{
+    const Lamp *lamp = &lamps->lamp[k];
+    assert(lamps->flat && k < lamps->count);
+    return rgb_scale(lamp->radiance, lamp_weight(lamps, lamp, at) / lamp->strength);
 }
 
 /* The lamp a hit belongs to: a bent quad has two, told apart by the primitive. */
@@ -363,6 +371,7 @@ bool lamps_sample_light(const Lamps *lamps, const Receiver *at, double a, LampSa
             out->normal = vec3(0, 0, 0);
             out->value = rgb_scale(e, total / strength);
             out->control = all;
+            out->lamp = (uint32_t)i;
             return true;
         }
     }

@@ -60,10 +60,19 @@ typedef struct {
 
 /* A place to aim at. value: its irradiance over its density, if nothing is in the way;
  * control: what the mean of `value` over all choices is known to be (or value itself). */
+#define LAMP_NONE UINT32_MAX
 typedef struct {
     Vec3 point, normal; /* normal (0,0,0): a point light */
     Rgb  value, control;
+    uint32_t lamp;      /* number of the lamp or point light; LAMP_NONE: none, value 0 */
 } LampSample;
+static inline bool lamps_is_light(const LampSample *sample)
+{
+    return sample->normal.x == 0 && sample->normal.y == 0 && sample->normal.z == 0;
+}
+
+/* Where all lamps are `flat`: what of lamp_sample's control is lamp k's. */
+Rgb lamps_control(const Lamps *lamps, uint32_t k, const Receiver *at);
 
 /* How a receiver's light is sampled: how many rays of each kind, for their weights. */
 typedef struct {

@@ -16,6 +16,7 @@
 #include "render/kept_tiles.h"
 #include "render/records_fill.h"
 #include "render/refine.h"
+#include "render/split.h"
 
 enum { TILE = REFINE_TILE, RAYS_MAX = 1 << 20 };
 static_assert(TILE * TILE <= GUIDES_POINTS,
@@ -82,7 +83,7 @@ static void render_pixel(const Render *render, Worker *worker, int x, int y)
     const uint32_t seed = sampling_seed((uint32_t)(x + render->image->left),
                                               (uint32_t)(y + render->image->top),
                                               render->options->seed, 1);
-    Pixel          pixel = { 0 };
+    Pixel          pixel = { .split = eye_sums(&worker->eye, 0) };
     uint32_t       done = 0;
     /* Asked to stop, a pixel keeps the samples it has: a tile with thousands each takes long. */
     while (done < samples && !monitor_stop(render->monitor)) {
@@ -102,6 +103,8 @@ static void render_pixel(const Render *render, Worker *worker, int x, int y)
     store(image->indirect + 3 * at, pixel.indirect, scale);
     store(image->albedo + 3 * at, pixel.albedo, scale);
     store(image->irradiance + 3 * at, pixel.irradiance, scale);
+    for (uint32_t k = 0; k < image->group_count; k++)
+        store(image_group(image, k) + 3 * at, pixel.split[k], scale);
 }
 
 static int smaller(int a, int b) { return a < b ? a : b; }
@@ -192,12 +195,15 @@ static bool workers_create(Render *render, Error *err)
         eye->options = render->options;
         eye->camera = &render->camera;
         eye->filter = &render->filter;
+        eye_split_create(eye, err);
     }
     return !error_is_set(err);
 }
 
 static void workers_destroy(Render *render)
 {
+    for (unsigned i = 0; render->worker != NULL && i < render->options->threads; i++)
+        eye_split_destroy(&render->worker[i].eye);
     array_free(render->worker);
 }
 
@@ -332,6 +338,15 @@ static void render_init(Render *render, const Gatherer *gatherer, const Camera *
                         .image = image_create_part(o->width, o->height, o->crop, err) };
     if (render->image == NULL)
         return;
+    const Split *split = gatherer->split;
+    assert(split == NULL || o->records == NULL);
+    if (split != NULL) {
+        const bool rest = split->rest || rgb_max(o->background) > 0;
+        if (!image_add_groups(render->image, split->name, split->count + rest, err)) {
+            render->image = image_destroy(render->image);
+            return;
+        }
+    }
     render->tiles_x = ((uint32_t)render->image->width + TILE - 1) / TILE;
     render->tiles = render->tiles_x * (((uint32_t)render->image->height + TILE - 1) / TILE);
     camera_rays_init(&render->camera, camera, o->width, o->height);

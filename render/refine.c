@@ -7,6 +7,7 @@
 #include "math/sampling.h"
 
 enum { PIXELS = REFINE_TILE * REFINE_TILE };
+static_assert(2 * PIXELS <= EYE_SUMS, "each half has sums of light groups");
 enum { SEED_HALF = 400 };
 /* Samples of each half in the first round: four in all tell a shadow's rim from light, together
  * with those of the eight neighbours. The smaller the error, the less may be missed: an edge that
@@ -134,6 +135,8 @@ static void store_pixel(const Refine *r, uint32_t i)
     store(r->image->indirect + 3 * at, a->indirect, b->indirect, scale);
     store(r->image->albedo + 3 * at, a->albedo, b->albedo, scale);
     store(r->image->irradiance + 3 * at, a->irradiance, b->irradiance, scale);
+    for (uint32_t k = 0; k < r->image->group_count; k++)
+        store(image_group(r->image, k) + 3 * at, a->split[k], b->split[k], scale);
     const double shared = scale * (a->deviation + b->deviation);
     const double level = level_of(r, i);
     r->image->deviation[at] = (float)sqrt(r->variance[i] * level * level + shared * shared);
@@ -145,8 +148,11 @@ uint64_t refine_tile(Eye *eye, const RefineTile *tile, Image *image, const Monit
     const uint32_t first = first_samples(eye->options->error);
     Refine         r = { .eye = eye, .tile = tile, .image = image };
     assert(pixels > 0 && pixels <= PIXELS && image->deviation != NULL);
-    for (uint32_t i = 0; i < pixels; i++)
+    for (uint32_t i = 0; i < pixels; i++) {
         r.active[i] = true;
+        for (uint32_t half = 0; half < 2; half++)
+            r.half[i][half].split = eye_sums(eye, 2 * i + half);
+    }
     do {
         for (uint32_t i = 0; i < pixels; i++) {
             const uint32_t more = r.done[i] > 0 ? r.done[i] : first;

@@ -4,6 +4,7 @@
 
 #include <assert.h>
 #include <float.h>
+#include <string.h>
 
 #include "math/sampling.h"
 #include "math/tolerance.h"
@@ -11,6 +12,7 @@
 #include "radiosity/visible.h"
 #include "render/clear.h"
 #include "render/specular.h"
+#include "render/split.h"
 
 /* Purposes of the sequences drawn from one seed. */
 enum { SEED_LAMP = 1, SEED_LIGHT, SEED_DIRECTION, SEED_RAMP };
@@ -33,6 +35,12 @@ static void add_to(Wave *wave, const WavePoint *point, unsigned level, Rgb irrad
 {
     Rgb *sum = level == 0 ? &wave->direct[point->root] : &wave->indirect[point->root];
     *sum = rgb_add(*sum, rgb_mul(point->weight, irradiance));
+}
+
+/* Where light of a point's root goes, group by group. */
+static Rgb *split_sums(const Wave *wave, const WavePoint *point, const WaveOptions *options)
+{
+    return options->split + (size_t)point->root * (wave->gatherer->split->count + 1);
 }
 
 /* --- lamps ----------------------------------------------------------------------------------- */
@@ -112,7 +120,8 @@ static void sum_groups(const Wave *wave, unsigned level, uint32_t n, LampSum *su
 /* Sums a block of lamp samples. Of sample i, of which the share v arrives, worth u, expected a:
  * v u + b (a - u), b the share of all other samples of its group that arrives; deeper levels, where
  * a block may be a single sample, count the share of level 0 as one sample more. */
-static void add_block(Wave *wave, unsigned level, uint32_t n, uint32_t rays)
+static void add_block(Wave *wave, unsigned level, uint32_t n, uint32_t rays,
+                      const WaveOptions *options)
 {
     LampSum sum[WAVE_POINTS] = { { 0 } }, whole = { 0 };
     sum_groups(wave, level, n, sum);
@@ -136,6 +145,9 @@ static void add_block(Wave *wave, unsigned level, uint32_t n, uint32_t rays)
                              : few && whole.all > 0 ? whole.lit / whole.all : 0;
         const Rgb    e = rgb_mad(arrives, b, rgb_mad(s->control, -1, s->value));
         add_to(wave, p, level, rgb_scale(e, 1.0 / rays));
+        if (options->split != NULL)
+            split_sample(wave->gatherer, &p->at, s, arrives, b, rgb_scale(p->weight, 1.0 / rays),
+                         split_sums(wave, p, options));
     }
     if (level == 0 && whole.all > 0) {
         wave->lit_share = whole.lit / whole.all;
@@ -155,7 +167,7 @@ static void receive_lamps(Wave *wave, unsigned level, uint32_t count, const Wave
         if (n == 0)
             continue;
         cast_shadows(wave, n, options);
-        add_block(wave, level, n, rays);
+        add_block(wave, level, n, rays, options);
     }
 }
 
@@ -353,8 +365,14 @@ static void add_lamp(Wave *wave, unsigned level, const WavePoint *from, uint32_t
     const LampPlan  plan = plan_of(wave, level, wave->owner[k], options);
     const double    share =
         wave->turned[k] ? 1 : lamps_share(&g->lamps, &from->at, &plan, &hit);
-    add_to(wave, from, level, rgb_scale(rgb_mul(m->emission, wave->pass[k]),
-                                        M_PI * share * wave->worth[k] / rays));
+    const Rgb e = rgb_scale(rgb_mul(m->emission, wave->pass[k]),
+                            M_PI * share * wave->worth[k] / rays);
+    add_to(wave, from, level, e);
+    if (options->split != NULL) {
+        Rgb *sum = split_sums(wave, from, options) +
+                   split_emission(g->split, hit.surface, hit.side);
+        *sum = rgb_add(*sum, rgb_mul(from->weight, e));
+    }
 }
 
 /* Takes note of where a ray of a point of level 0 ended. */
@@ -399,6 +417,9 @@ static uint32_t read_end(Wave *wave, unsigned level, uint32_t k, uint32_t rays,
     const Rgb b = rgb_mul(wave->pass[k], wave_radiosity(g, &end));
     Rgb      *sum = &wave->indirect[p->root];
     *sum = rgb_add(*sum, rgb_scale(rgb_mul(p->weight, b), worth));
+    if (options->split != NULL)
+        split_radiosity(g, &end, rgb_scale(rgb_mul(p->weight, wave->pass[k]), worth),
+                        split_sums(wave, p, options));
     return next;
 }
 
@@ -440,6 +461,9 @@ void wave_gather(Wave *wave, uint32_t count, uint32_t gathered, const WaveOption
         wave->direct[i] = wave->indirect[i] = rgb(0, 0, 0);
         wave->view[i] = (WaveView){ .nearest = INFINITY };
     }
+    if (options->split != NULL)
+        memset(options->split, 0,
+               count * ((size_t)wave->gatherer->split->count + 1) * sizeof *options->split);
     if (count > 0)
         receive(wave, 0, count, options);
 }

@@ -28,8 +28,11 @@ enum {
     WAVE_LEVELS = 3     /* receiving points, those they see close by, and once more */
 };
 
+typedef struct Split Split; /* render/split.h */
+
 struct Gatherer {
     const Room *room;
+    Split      *split;   /* light groups apart; NULL: not asked for */
     float      *vertex;  /* [3 * patches->vertex_count]  reflected radiosity */
     float      *normal;  /* [3 * surfaces->triangle_count]  unit, to the front */
     float      *smooth;  /* [9 * triangle_count]  as in normals.h; NULL: nothing is specular */
@@ -58,6 +61,8 @@ typedef struct {
     bool     clear;                  /* light goes on at mirrors and glass; else they absorb it */
     const Guides *guides;            /* for points beyond level 0; may be NULL */
     bool     indirect_only;          /* no light straight from lamps and lights at level 0 */
+    Rgb     *split;                  /* [WAVE_POINTS * (groups + 1)]  gets the irradiance of each
+                                        point by groups (render/split.h); NULL: does not */
 } WaveOptions;
 
 /* What lies around a point: where light comes from near by, light changes soon. */
