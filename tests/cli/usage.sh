@@ -19,7 +19,7 @@ ok "unknown option without a guess" fails 2 "unknown option '--nosuchthing'" \
     render "$cube" --nosuchthing 5
 ok "option of another command" fails 2 'not an option of check' check "$cube" --spp 4
 ok "compare with one picture" fails 2 "two pictures" compare a.exr
-ok "light groups that nothing dims" fails 2 'give one of them' render "$cube" --light-groups
+ok "light groups that nothing dims" fails 2 'give one of them' bench "$cube" --light-groups
 ok "no scene" fails 2 'which scene' render
 ok "two scenes" fails 2 'one scene' render a.obj b.obj
 ok "not a number" fails 2 "'12x' is not a number" solve "$cube" --rays 12x
