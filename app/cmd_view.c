@@ -5,6 +5,7 @@
 
 #include "app/commands.h"
 #include "app/live.h"
+#include "app/picture_files.h"
 #include "viewer/viewer.h"
 
 /* Of the solver, where none is given: its own default. */
@@ -12,11 +13,12 @@ static const double TOLERANCE = 1e-6;
 
 enum { WIDTH = 1024, HEIGHT = 768 };
 
-static ViewerOptions viewer_options(const Options *options)
+static ViewerOptions viewer_options(const Options *options, const char *command)
 {
     const bool sized = options->size[0] > 0;
     return (ViewerOptions){
         .scene = options->scene,
+        .command = command,
         .width = sized ? options->size[0] : WIDTH,
         .height = sized ? options->size[1] : HEIGHT,
         .script = options->script,
@@ -35,7 +37,9 @@ static ViewerOptions viewer_options(const Options *options)
 bool cmd_view(Pipeline *pipeline, int *exit_code, Error *err)
 {
     Session *session = pipeline->session;
-    const ViewerOptions options = viewer_options(&session->options);
+    char command[1024];
+    picture_files_command(&session->options, command, sizeof command);
+    const ViewerOptions options = viewer_options(&session->options, command);
     Control control;
     Mailbox mailbox = { NULL };
     Live live;

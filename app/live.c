@@ -6,6 +6,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "app/live_picture.h"
 #include "app/live_relight.h"
 #include "app/pipeline_stochastic.h"
 #include "base/array.h"
@@ -27,6 +28,7 @@ bool live_step(Live *live)
     Control *control = live->control;
     assert(control != NULL);
     atomic_store(&live->stepping, false);
+    live_picture(live);
     while (atomic_load(&control->paused) && !live_must_end(live)) {
         unsigned steps = atomic_load(&control->steps);
         if (steps > 0) {
@@ -34,8 +36,10 @@ bool live_step(Live *live)
             atomic_store(&live->stepping, true);
             break;
         }
-        rest();
+        if (!live_picture(live))
+            rest();
     }
+    live->light.radiosity = NULL;
     if (!atomic_load(&control->paused))
         atomic_store(&control->steps, 0);
     return !live_must_end(live);
@@ -49,12 +53,13 @@ static void live_warn(void *user, const char *code, const char *where, const cha
     monitor_warn(&live->outer, code, where, "%s", text);
 }
 
-/* Asked by every thread at work: all of them rest while it is paused. */
+/* Asked by every thread at work: all of them rest while it is paused, unless a picture waits for
+ * the light they find. */
 static bool live_stop(void *user)
 {
     const Live *live = user;
     while (atomic_load(&live->control->paused) && !atomic_load(&live->stepping) &&
-           !live_must_end(live))
+           !atomic_load(&live->control->easel.waiting) && !live_must_end(live))
         rest();
     return live_must_end(live);
 }
@@ -85,6 +90,7 @@ void live_begin(Live *live, const char *doing, ShownStep step)
 {
     live->doing = doing;
     live->step = step;
+    live->light.radiosity = NULL;
     live->stage_begin = progress_now();
     live->rays_before = live->report.rays;
     live->report.done = -1;
@@ -185,6 +191,7 @@ static void clear_all(Live *live)
 {
     live->mesh = shown_mesh_leave(live->mesh);
     live->patches = NULL;
+    live->light.radiosity = NULL;
     pipeline_clear(live->pipeline);
     live->begin = progress_now();
     live->report = (Report){ .done = -1, .unshot = -1, .residual = -1, .left = -1 };
@@ -201,7 +208,7 @@ static void stay(Live *live)
         bool done = false;
         if (links)
             good = relighting_follow(&relighting, live, &done, &live->err);
-        if (!done)
+        if (good && !live_picture(live) && !done)
             rest();
     }
     if (links)

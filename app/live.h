@@ -14,6 +14,18 @@
 #include "viewer/control.h"
 #include "viewer/snapshot.h"
 
+/* Light on all patches. */
+typedef struct {
+    const double *radiosity, *irradiance; /* [3 * patches]; the latter may be NULL */
+    const double *direct, *unshot;        /* the same; direct NULL: from the links, if any */
+    const double *error;                  /* [patches], or NULL */
+    const double *visible_area;           /* [patches] */
+    const Links  *links;                  /* for row sums; NULL: none */
+    uint32_t      shooter;                /* patch, or PATCH_NONE */
+    const Vec3   *ray;                    /* [2 * ray_count] */
+    uint32_t      ray_count;
+} LiveLight;
+
 typedef struct {
     Pipeline  *pipeline;
     Mailbox   *mailbox;
@@ -29,6 +41,7 @@ typedef struct {
     uint64_t   rays_before;    /* of stages that are over */
     ShownStep  step;
     atomic_bool stepping;      /* a single step is under way */
+    LiveLight  light;          /* published last; radiosity NULL: it is not there any more */
     int        exit_code;
     Error      err;
 } Live;
@@ -41,23 +54,14 @@ void live_join(Live *live);
 
 /* --- parts ------------------------------------------------------------------------------------ */
 
-/* Between two steps: waits while paused. False: it is to end. */
+/* Between two steps: makes a picture that is wished for, waits while paused. What was published
+ * may go after it. False: it is to end. */
 bool live_step(Live *live);
 bool live_must_end(const Live *live);
 void live_begin(Live *live, const char *doing, ShownStep step);
 void live_report(Live *live);
 
 /* live_publish.c: whether it is time again, and doing it. */
-typedef struct {
-    const double *radiosity, *irradiance; /* [3 * patches]; the latter may be NULL */
-    const double *direct, *unshot;        /* the same; direct NULL: from the links, if any */
-    const double *error;                  /* [patches], or NULL */
-    const double *visible_area;           /* [patches] */
-    const Links  *links;                  /* for row sums; NULL: none */
-    uint32_t      shooter;                /* patch, or PATCH_NONE */
-    const Vec3   *ray;                    /* [2 * ray_count] */
-    uint32_t      ray_count;
-} LiveLight;
 bool live_due(const Live *live);
 bool live_publish(Live *live, const LiveLight *light, Error *err);
 

@@ -129,6 +129,7 @@ bool live_publish(Live *live, const LiveLight *light, Error *err)
         snapshot_destroy(s);
         return false;
     }
+    live->light = *light;
     mailbox_put(live->mailbox, s);
     live->published = progress_now();
     return true;

@@ -92,9 +92,7 @@ bool picture_files_exist(const PictureReport *picture)
            (picture->values[0] == '\0' || access(picture->values, R_OK) == 0);
 }
 
-/* The command line without what must not change the bytes of a picture: threads, names of results,
- * limits. */
-static void record_command(const Options *options, char *out, size_t size)
+void picture_files_command(const Options *options, char *out, size_t size)
 {
     static const char *const left_out[] = { "--threads", "--json", "--progress", "--max-memory",
                                             "--time-limit", "--checkpoint", "--resume", "-o" };
@@ -124,7 +122,7 @@ bool picture_files_write(Pipeline *pipeline, const Image *image, const PictureRe
     const Vec3 target = scene_to_file(pipeline->scene, c->target);
     const double begin = progress_now();
     char command[1024];
-    record_command(options, command, sizeof command);
+    picture_files_command(options, command, sizeof command);
     pipeline->exposure = options->exposure_set ? options->exposure : image_auto_exposure(image);
     const ImageTone tone = { pipeline->exposure, (ToneCurve)options->tone };
     const ImageInfo info = {

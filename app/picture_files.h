@@ -13,6 +13,9 @@ bool picture_files_allowed(const Options *options, Error *err);
 bool picture_files_name(Pipeline *pipeline, Error *err);
 /* Whether all files of a picture are there. */
 bool picture_files_exist(const PictureReport *picture);
+/* The command line without what must not change the bytes of a picture: threads, names of results,
+ * limits. */
+void picture_files_command(const Options *options, char *out, size_t size);
 /* EXR, PNG and what else was asked for, of pipeline->camera; sets pipeline->exposure. */
 bool picture_files_write(Pipeline *pipeline, const Image *image, const PictureReport *picture,
                          Error *err);

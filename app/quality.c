@@ -39,13 +39,25 @@ static const Picture pictures[] = {
     [QUALITY_FINAL] = { QUALITY_FINAL, 0, 4, 1024, 0 },
 };
 
-/* Whether the command makes a picture with records of indirect light. */
-static bool uses_records(const Options *options)
+/* Whether the command gathers pictures: the window does when it is asked to. */
+static bool gathers(const Options *options)
+{
+    return options->command == COMMAND_VIEW ||
+           (options->command == COMMAND_RENDER && options->renderer == RENDERER_GATHER);
+}
+
+/* Whether pictures are made with records of indirect light. */
+static bool has_records(const Options *options)
 {
     const uint32_t rays = options_given(options, OPTION_RECORD_RAYS)
                               ? options->record_rays : pictures[options->quality].record_rays;
-    return options->command == COMMAND_RENDER && options->renderer == RENDERER_GATHER &&
-           rays > 0 && !(options->gather_rays > 0) && !options->light_groups;
+    return gathers(options) && rays > 0 && !(options->gather_rays > 0) && !options->light_groups;
+}
+
+/* Whether that is all that patches are for: the window shows them. */
+static bool uses_records(const Options *options)
+{
+    return options->command == COMMAND_RENDER && has_records(options);
 }
 
 /* By default only where the number of patches is free: who asks for a size means it. Factors that
@@ -75,8 +87,7 @@ static SurfaceOptions repair_options(const Options *options)
 static void picture_settings(const Options *options, Settings *s)
 {
     const Picture *picture = &pictures[options->quality];
-    const bool     gather = options->command == COMMAND_RENDER &&
-                            options->renderer == RENDERER_GATHER;
+    const bool     gather = gathers(options);
     s->error = gather && options->spp == 0 && options->gather_rays == 0 ? picture->error : 0;
     if (options->error > 0 && gather)
         s->error = options->error;
@@ -84,7 +95,7 @@ static void picture_settings(const Options *options, Settings *s)
         s->accuracy = options->error;
     if (options->spp == 0 && s->error > 0)
         s->spp = picture->most;
-    if (!uses_records(options))
+    if (!has_records(options))
         return;
     s->record_rays = options_given(options, OPTION_RECORD_RAYS) ? options->record_rays
                                                                 : picture->record_rays;

@@ -60,6 +60,10 @@ typedef struct {
     uint32_t record_rays;    /* hemisphere rays of a record; 0: 1024 */
     double   error;          /* > 0: samples go on until the standard error of pixels is about this
                                 share of the picture's mean luminance, up to `samples` each */
+    /* Called with each finished tile, from any thread: pixels from left, top to before right,
+     * bottom. NULL: not. */
+    void   (*tile)(void *user, const Image *image, const int part[4]);
+    void    *tile_user;
 } RenderOptions;
 
 typedef struct {

@@ -146,6 +146,15 @@ static void render_tile(const Render *render, Worker *worker, uint32_t tile)
             render_pixel(render, worker, x, y);
 }
 
+/* Shows a finished tile to who wants to see it. */
+static void show_tile(const Render *render, uint32_t tile)
+{
+    const int x = (int)(tile % render->tiles_x) * TILE, y = (int)(tile / render->tiles_x) * TILE;
+    const int part[4] = { x, y, smaller(x + TILE, render->image->width),
+                          smaller(y + TILE, render->image->height) };
+    render->options->tile(render->options->tile_user, render->image, part);
+}
+
 static void render_tiles(void *context, uint32_t begin, uint32_t end, unsigned thread)
 {
     const Render *render = context;
@@ -160,6 +169,8 @@ static void render_tiles(void *context, uint32_t begin, uint32_t end, unsigned t
         /* Asked to stop, pixels may have fewer samples. */
         if (kept != NULL && !monitor_stop(render->monitor))
             kept_tiles_add(kept, tile);
+        if (render->options->tile != NULL && !monitor_stop(render->monitor))
+            show_tile(render, tile);
     }
 }
 

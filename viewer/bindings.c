@@ -49,11 +49,13 @@ static const Binding TABLE[] = {
     { MEASURING, ACTION_REGION, 'X', 0, "X, then drag", "least, mean, greatest of a region" },
     { MEASURING, ACTION_PLANE, 'K', 0, "K", "work plane: Eav, Emin, U0" },
     { MEASURING, ACTION_SAVE_CSV, 'S', MOD_CONTROL, "Ctrl-S", "probes and work plane to CSV" },
-    { WINDOW, ACTION_SAVE_PNG, 'S', 0, "S", "save a PNG of the window" },
+    { WINDOW, ACTION_GATHER, 'R', 0, "R", "gather a picture of this view" },
+    { WINDOW, ACTION_SAVE_PNG, 'S', 0, "S", "save it as PNG, or the window" },
+    { WINDOW, ACTION_SAVE_EXR, 'S', MOD_SHIFT, "Shift-S", "save the view as EXR" },
     { WINDOW, ACTION_CHANGE, 'U', 0, "U", "lamps and paint: change them" },
     { WINDOW, ACTION_PANELS, KEY_TAB, 0, "Tab", "panels away and back" },
     { WINDOW, ACTION_HELP, KEY_F1, 0, "F1", "these keys" },
-    { WINDOW, ACTION_LEAVE, KEY_ESCAPE, 0, "Esc", "leave a mode" },
+    { WINDOW, ACTION_LEAVE, KEY_ESCAPE, 0, "Esc", "leave a mode, drop the picture" },
     { WINDOW, ACTION_QUIT, 'Q', MOD_CONTROL, "Ctrl-Q", "quit" },
 };
 enum { COUNT = sizeof TABLE / sizeof *TABLE };

@@ -10,12 +10,14 @@ void control_init(Control *control)
     *control = (Control){ .report = { .doing = "reading", .done = -1, .unshot = -1,
                                       .residual = -1, .left = -1 } };
     knobs_init(&control->knobs);
+    easel_init(&control->easel);
     pthread_mutex_init(&control->lock, NULL);
 }
 
 void control_clear(Control *control)
 {
     knobs_clear(&control->knobs);
+    easel_clear(&control->easel);
     pthread_mutex_destroy(&control->lock);
 }
 

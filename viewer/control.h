@@ -12,6 +12,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "viewer/easel.h"
 #include "viewer/knobs.h"
 
 typedef struct {
@@ -34,6 +35,7 @@ typedef struct {
     atomic_bool failed;     /* the solver's thread has ended with an error: close */
     atomic_bool finished;   /* nothing is left to do */
     Knobs       knobs;
+    Easel       easel;
     pthread_mutex_t lock;
     Report      report;     /* under the lock */
 } Control;

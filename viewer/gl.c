@@ -17,7 +17,7 @@ static const double PI = 3.14159265358979323846;
  * of 24 bits can mistake at grazing faces, less than is seen. */
 static const float LINE_NEARER = 1.0f / (1 << 11);
 
-typedef enum { PATCH_PROGRAM, LINE_PROGRAM, PROGRAM_COUNT } ProgramId;
+typedef enum { PATCH_PROGRAM, LINE_PROGRAM, PICTURE_PROGRAM, PROGRAM_COUNT } ProgramId;
 typedef enum {
     POSITIONS, LIGHT, CORNERS, EDGES, PATCH_OF, PATCH_LIGHT, RAYS, PATCH_VALUE,
     VERTEX_VALUE, BUFFER_COUNT
@@ -28,7 +28,8 @@ struct Gl {
     GLuint buffer[BUFFER_COUNT];
     GLuint patch_of, patch_light, patch_value; /* textures over buffers */
     GLuint colours;                 /* texture: the scale of false colours */
-    GLuint faces, lines, rays;      /* vertex arrays */
+    GLuint picture;                 /* texture: of gl_take_picture */
+    GLuint faces, lines, rays, none; /* vertex arrays */
     ShownMesh *mesh;                /* a reference to what the buffers hold */
     Vec3   middle;                  /* places are kept from here: floats are short */
     uint32_t ray_count;
@@ -83,6 +84,8 @@ Gl *gl_create(Error *err)
         return NULL;
     gl->program[PATCH_PROGRAM] = link_program(shader_patch_vertex, shader_patch_fragment, err);
     gl->program[LINE_PROGRAM] = link_program(shader_line_vertex, shader_line_fragment, err);
+    gl->program[PICTURE_PROGRAM] = link_program(shader_picture_vertex, shader_picture_fragment,
+                                                err);
     glGenBuffers(BUFFER_COUNT, gl->buffer);
     glGenVertexArrays(1, &gl->faces);
     glGenVertexArrays(1, &gl->lines);
@@ -91,6 +94,8 @@ Gl *gl_create(Error *err)
     glGenTextures(1, &gl->patch_light);
     glGenTextures(1, &gl->patch_value);
     glGenTextures(1, &gl->colours);
+    glGenTextures(1, &gl->picture);
+    glGenVertexArrays(1, &gl->none);
     return error_is_set(err) ? gl_destroy(gl) : gl;
 }
 
@@ -108,6 +113,8 @@ Gl *gl_destroy(Gl *gl)
     glDeleteTextures(1, &gl->patch_light);
     glDeleteTextures(1, &gl->patch_value);
     glDeleteTextures(1, &gl->colours);
+    glDeleteTextures(1, &gl->picture);
+    glDeleteVertexArrays(1, &gl->none);
     shown_mesh_leave(gl->mesh);
     array_free(gl->scratch);
     return array_free(gl);
@@ -231,6 +238,18 @@ bool gl_take_values(Gl *gl, const float *patch, const float *vertex, Error *err)
     return true;
 }
 
+void gl_take_picture(Gl *gl, const float *pixel, int width, int height)
+{
+    assert(pixel != NULL && width > 0 && height > 0);
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_2D, gl->picture);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, width, height, 0, GL_RGBA, GL_FLOAT, pixel);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glBindTexture(GL_TEXTURE_2D, 0);
+}
+
 /* --- drawing ---------------------------------------------------------------------------------- */
 
 static void draw_faces(const Gl *gl, const GlView *view, bool back)
@@ -302,6 +321,24 @@ static void draw_patches(const Gl *gl, const GlView *view, const float *matrix)
     glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
+/* Over the patches, whose depth stays: outlines and rays are still before it. */
+static void draw_picture(const Gl *gl, const GlView *view)
+{
+    const ProgramId p = PICTURE_PROGRAM;
+    glUseProgram(gl->program[p]);
+    glUniform1f(uniform(gl, p, "scale"), (float)exp2(view->exposure));
+    glUniform1i(uniform(gl, p, "tone"), (int)view->tone);
+    glUniform1i(uniform(gl, p, "picture"), 0);
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_2D, gl->picture);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    glBindVertexArray(gl->none);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glBindTexture(GL_TEXTURE_2D, 0);
+    glEnable(GL_DEPTH_TEST);
+}
+
 static void line_colour(const Gl *gl, float r, float g, float b, float a)
 {
     glUniform4f(uniform(gl, LINE_PROGRAM, "paint"), r, g, b, a);
@@ -347,6 +384,8 @@ void gl_draw(Gl *gl, const GlView *view)
     glDepthFunc(GL_LEQUAL);
     if (view->shading != SHADING_WIRES)
         draw_patches(gl, view, matrix);
+    if (view->gathered)
+        draw_picture(gl, view);
     draw_lines(gl, view, matrix);
     glBindVertexArray(0);
     glUseProgram(0);

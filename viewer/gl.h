@@ -24,6 +24,7 @@ typedef struct {
     uint32_t  picked;         /* patch, or PATCH_NONE */
     Layer     layer;
     const FalseMap *map;      /* false colours of gl_take_values; NULL: light */
+    bool      gathered;       /* the picture of gl_take_picture lies over it */
 } GlView;
 
 typedef struct Gl Gl;
@@ -35,6 +36,8 @@ Gl *gl_destroy(Gl *gl);
 bool gl_take(Gl *gl, const Snapshot *snapshot, Layer layer, Error *err);
 /* Numbers for false colours, of patches and of vertices of the mesh taken; NAN: grey. */
 bool gl_take_values(Gl *gl, const float *patch, const float *vertex, Error *err);
+/* A picture of the view: radiance, and 1 where there is any [4 * width * height], from the top. */
+void gl_take_picture(Gl *gl, const float *pixel, int width, int height);
 /* Clears and draws; nothing taken yet: only clears. */
 void gl_draw(Gl *gl, const GlView *view);
 /* The picture as it is now, rows from the top [3 * width * height]. */

@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "viewer/files.h"
+#include "viewer/gathered.h"
 #include "viewer/gui.h"
 #include "viewer/internal.h"
 #include "viewer/matrix.h"
@@ -41,6 +43,7 @@ static void moved(Viewer *viewer)
 {
     viewer->dirty = true;
     viewer->exposure_due = viewer->automatic;
+    viewer->view.gathered = false;
 }
 
 static void frame(Viewer *viewer, Action action)
@@ -99,31 +102,6 @@ static void expose(Viewer *viewer, double by)
     viewer->view.exposure += by;
 }
 
-static const char *file_title(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash != NULL ? slash + 1 : path;
-}
-
-/* room-view.png, room-view-2.png ...: nothing is written over. */
-static void ask_for_png(Viewer *viewer)
-{
-    const char *title = file_title(viewer->options->scene);
-    const char *dot = strrchr(title, '.');
-    const int length = dot != NULL && dot > title ? (int)(dot - title) : (int)strlen(title);
-    for (int n = 1; n < 10000; n++) {
-        char number[16] = "";
-        if (n > 1)
-            snprintf(number, sizeof number, "-%d", n);
-        snprintf(viewer->screenshot, sizeof viewer->screenshot, "%.*s-view%s.png", length, title,
-                 number);
-        FILE *there = fopen(viewer->screenshot, "rb");
-        if (there == NULL)
-            return;
-        fclose(there);
-    }
-}
-
 static void act_on_scene(Viewer *viewer, Action action, int key)
 {
     switch (action) {
@@ -166,6 +144,7 @@ static void act_on_solver(Viewer *viewer, Action action)
     case ACTION_RESTART:
     case ACTION_RELOAD:
         viewer_say(viewer, action == ACTION_RELOAD ? "reading again" : "from the beginning");
+        gathered_drop(viewer);
         atomic_store(&control->paused, false);
         atomic_store(&control->restart, true);
         break;
@@ -222,6 +201,7 @@ static void next_layer(Viewer *viewer)
 static void leave(Viewer *viewer)
 {
     viewer->help = viewer->pointer.flying = viewer->view.rays = false;
+    gathered_drop(viewer);
     viewer->view.picked = PATCH_NONE;
     viewer->measuring.marking = viewer->measuring.has_region = false;
 }
@@ -242,7 +222,11 @@ void viewer_act(Viewer *viewer, Action action, int key)
     else if (action == ACTION_FLY)
         viewer->pointer.flying = !viewer->pointer.flying;
     else if (action == ACTION_SAVE_PNG)
-        ask_for_png(viewer);
+        files_save_png(viewer);
+    else if (action == ACTION_SAVE_EXR)
+        files_save_exr(viewer);
+    else if (action == ACTION_GATHER)
+        gathered_ask(viewer);
     else if (action == ACTION_CHANGE)
         viewer->changing = !viewer->changing;
     else if (action == ACTION_PANELS)

@@ -43,6 +43,8 @@ typedef struct Viewer {
     Pointer     pointer;
     Vec3        picked_at;
     Measuring   measuring;
+    unsigned    picture_seen;   /* changes of the easel that the card holds */
+    unsigned    picture_knobs;  /* version of the knobs when it was asked for */
     Report      report;
     char        notice[256];
     double      notice_until;

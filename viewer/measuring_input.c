@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/array.h"
+#include "viewer/files.h"
 #include "viewer/internal.h"
 #include "viewer/matrix.h"
 
@@ -16,26 +17,6 @@ enum { REGION_MOST = 96 };
 
 /* --- keys ------------------------------------------------------------------------------------- */
 
-/* The first name of scene-word.csv, scene-word-2.csv ... that is free. */
-static bool free_name(const Viewer *viewer, const char *word, char *path, size_t size)
-{
-    const char *slash = strrchr(viewer->options->scene, '/');
-    const char *title = slash != NULL ? slash + 1 : viewer->options->scene;
-    const char *dot = strrchr(title, '.');
-    const int length = dot != NULL && dot > title ? (int)(dot - title) : (int)strlen(title);
-    for (int n = 1; n < 10000; n++) {
-        char number[16] = "";
-        if (n > 1)
-            snprintf(number, sizeof number, "-%d", n);
-        snprintf(path, size, "%.*s-%s%s.csv", length, title, word, number);
-        FILE *there = fopen(path, "rb");
-        if (there == NULL)
-            return true;
-        fclose(there);
-    }
-    return false;
-}
-
 static void save(Viewer *viewer)
 {
     Measuring *m = &viewer->measuring;
@@ -44,10 +25,10 @@ static void save(Viewer *viewer)
     Error err = { 0 };
     if (m->probes.count == 0 && m->plane == NULL)
         viewer_say(viewer, "no probes yet: Shift-click keeps one; K lays a work plane");
-    if (m->probes.count > 0 && free_name(viewer, "probes", path, sizeof path) &&
+    if (m->probes.count > 0 && files_free_name(viewer, "probes", ".csv", path, sizeof path) &&
         probes_write(&m->probes, lux, path, &err))
         viewer_say(viewer, "saved %s", path);
-    if (m->plane != NULL && free_name(viewer, "plane", path, sizeof path) &&
+    if (m->plane != NULL && files_free_name(viewer, "plane", ".csv", path, sizeof path) &&
         plane_write(m->plane, lux, path, &err))
         viewer_say(viewer, "saved %s", path);
     if (error_is_set(&err))

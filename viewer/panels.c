@@ -7,6 +7,7 @@
 
 #include "math/rgb.h"
 #include "radiosity/solve.h"
+#include "viewer/gathered.h"
 #include "viewer/gui.h"
 #include "viewer/internal.h"
 
@@ -141,6 +142,7 @@ static double view_panel(Viewer *viewer, double y, double width)
         snprintf(text, sizeof text, "%.0f frames/s, F1 shows the keys",
                  viewer->frame_seconds > 0 ? 1 / viewer->frame_seconds : 0);
         gui_dim(text);
+        gathered_row(viewer);
     }
     return gui_panel_end();
 }

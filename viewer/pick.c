@@ -6,21 +6,15 @@
 #include "math/rgb.h"
 #include "viewer/internal.h"
 #include "viewer/matrix.h"
+#include "viewer/seen.h"
 
 static const double PI = 3.14159265358979323846;
 
 /* Faces seen from behind are passed; more of them than this in a row is a wall of them. */
 enum { PASSED_MOST = 64 };
 
-uint32_t pick_hit(const Viewer *viewer, double x, double y, Hit *hit, Vec3 *at)
+uint32_t seen_along(const ShownMesh *mesh, Vec3 eye, Vec3 d, Hit *hit, Vec3 *at)
 {
-    const GlView *view = &viewer->view;
-    assert(view->width > 0 && view->height > 0);
-    if (viewer->shown == NULL)
-        return PATCH_NONE;
-    const ShownMesh *mesh = viewer->shown->mesh;
-    const Vec3 eye = view->camera.eye;
-    const Vec3 d = view_direction(&view->camera, x, y, view->width, view->height);
     Ray ray = { .ox = (float)eye.x, .oy = (float)eye.y, .oz = (float)eye.z, .dx = (float)d.x,
                 .dy = (float)d.y, .dz = (float)d.z, .t_max = INFINITY };
     for (int k = 0; k < PASSED_MOST; k++) {
@@ -36,6 +30,16 @@ uint32_t pick_hit(const Viewer *viewer, double x, double y, Hit *hit, Vec3 *at)
         ray.t_min = nextafterf(hit->t, INFINITY);
     }
     return PATCH_NONE;
+}
+
+uint32_t pick_hit(const Viewer *viewer, double x, double y, Hit *hit, Vec3 *at)
+{
+    const GlView *view = &viewer->view;
+    assert(view->width > 0 && view->height > 0);
+    if (viewer->shown == NULL)
+        return PATCH_NONE;
+    return seen_along(viewer->shown->mesh, view->camera.eye,
+                      view_direction(&view->camera, x, y, view->width, view->height), hit, at);
 }
 
 uint32_t pick(const Viewer *viewer, double x, double y, Vec3 *at)

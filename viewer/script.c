@@ -15,7 +15,7 @@ enum { NUMBERS = 4, WORD = 1024, LINE = 2048, DRAG_FRAMES = 8 };
 
 typedef enum {
     DO_KEY, DO_HOLD, DO_MOVE, DO_CLICK, DO_DOUBLE, DO_DRAG, DO_WHEEL, DO_RESIZE, DO_WAIT_FRAMES,
-    DO_WAIT_STEP, DO_SCREENSHOT
+    DO_WAIT_STEP, DO_WAIT_PICTURE, DO_SCREENSHOT
 } What;
 
 typedef struct {
@@ -55,7 +55,7 @@ static int index_of(const char *word, const char *const *names, int count)
     return -1;
 }
 
-/* "frames N" makes another command of "wait". */
+/* "frames N" and "picture" make other commands of "wait". */
 static bool take_wait(Step *step, const char *word, char **rest)
 {
     static const char *const steps[] = { "reading", "lit", "shot", "linked", "solved" };
@@ -66,6 +66,10 @@ static bool take_wait(Step *step, const char *word, char **rest)
         const bool found = end != *rest && step->number[0] >= 1;
         *rest = end;
         return found;
+    }
+    if (strcmp(word, "picture") == 0) {
+        step->what = DO_WAIT_PICTURE;
+        return true;
     }
     step->code = index_of(word, steps, (int)(sizeof steps / sizeof *steps));
     return step->code > 0;
@@ -224,10 +228,19 @@ static bool carry_out(const Step *step, double frame, const ScriptState *state, 
         return frame >= step->number[0];
     case DO_WAIT_STEP:
         return (int)state->step >= step->code;
+    case DO_WAIT_PICTURE:
+        return state->picture == EASEL_DONE;
     case DO_SCREENSHOT:
         return frame >= 1;
     }
     return true;
+}
+
+static bool never_comes(const Step *step, const ScriptState *state)
+{
+    if (step->what == DO_WAIT_PICTURE)
+        return state->picture == EASEL_EMPTY || state->picture == EASEL_FAILED;
+    return step->what == DO_WAIT_STEP && state->finished && (int)state->step < step->code;
 }
 
 bool script_advance(Script *script, const ScriptState *state, Window *window,
@@ -237,7 +250,7 @@ bool script_advance(Script *script, const ScriptState *state, Window *window,
     *screenshot = NULL;
     while (script->at < script->count) {
         const Step *step = &script->step[script->at];
-        if (step->what == DO_WAIT_STEP && state->finished && (int)state->step < step->code)
+        if (never_comes(step, state))
             return error_at(err, ERROR_FAILED, script->path, step->line,
                             "what it waits for does not come");
         if (step->what == DO_SCREENSHOT && script->frame == 0)

@@ -10,11 +10,13 @@
  *   wheel N                  steps, away from you
  *   resize W H
  *   wait frames N | wait lit | wait shot | wait linked | wait solved
+ *   wait picture             until the one that R asked for is finished
  *   screenshot FILE          PNG of the next frame
  */
 #ifndef VIEWER_SCRIPT_H
 #define VIEWER_SCRIPT_H
 
+#include "viewer/easel.h"
 #include "viewer/snapshot.h"
 #include "viewer/window.h"
 
@@ -28,6 +30,7 @@ Script *script_destroy(Script *script);
 typedef struct {
     ShownStep step;         /* of what is shown */
     bool      finished;     /* the solver has ended: nothing more is to come */
+    EaselState picture;
 } ScriptState;
 
 /* Does what is due before this frame. *screenshot: the name of a PNG to make of it, or NULL.

@@ -91,3 +91,22 @@ const char *const shader_line_fragment =
     "#version 330 core\n"
     "uniform vec4 paint; out vec4 colour;\n"
     "void main() { colour = paint; }\n";
+
+/* One triangle over the whole window; rows of the picture come from the top. */
+const char *const shader_picture_vertex =
+    "#version 330 core\n"
+    "void main() {\n"
+    "    vec2 p = vec2(gl_VertexID == 1 ? 3 : -1, gl_VertexID == 2 ? 3 : -1);\n"
+    "    gl_Position = vec4(p, 0, 1);\n"
+    "}\n";
+
+const char *const shader_picture_fragment =
+    "#version 330 core\n"
+    TONE
+    "uniform sampler2D picture; out vec4 colour;\n"
+    "void main() {\n"
+    "    ivec2 at = ivec2(gl_FragCoord.xy);\n"
+    "    vec4 v = texelFetch(picture, ivec2(at.x, textureSize(picture, 0).y - 1 - at.y), 0);\n"
+    "    if (v.a < 0.5) discard;\n"
+    "    colour = vec4(shown(v.rgb), 1);\n"
+    "}\n";

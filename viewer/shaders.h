@@ -5,5 +5,6 @@
 
 extern const char *const shader_patch_vertex, *const shader_patch_fragment;
 extern const char *const shader_line_vertex, *const shader_line_fragment;
+extern const char *const shader_picture_vertex, *const shader_picture_fragment;
 
 #endif

@@ -148,6 +148,8 @@ static bool copy_cameras(const Scene *scene, const Camera *camera, ShownMesh *me
     for (size_t i = 0; i < scene->camera_count; i++)
         mesh->camera[mesh->camera_count++] = scene->cameras[i];
     mesh->up = scene->up;
+    mesh->origin = scene->origin;
+    mesh->scene_hash = scene->hash;
     return true;
 }
 

@@ -43,7 +43,8 @@ typedef struct {
     uint32_t    camera_count;
     Light      *light;          /* [light_count]  point and spot lights */
     uint32_t    light_count;
-    Vec3        up;
+    Vec3        up, origin;     /* origin: of the places in here, in the file's coordinates */
+    uint64_t    scene_hash;
     char      **group_name, **material_name; /* [..count] */
     uint32_t    group_count, material_count;
     Knob       *knob;           /* [knob_count]  what can be turned in the scene */

@@ -7,8 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "base/array.h"
-#include "render/pixels.h"
+#include "viewer/files.h"
+#include "viewer/gathered.h"
 #include "viewer/gui.h"
 #include "viewer/internal.h"
 
@@ -97,22 +97,6 @@ static bool take_new(Viewer *viewer, Error *err)
     return gl_take(viewer->gl, snapshot, viewer->view.layer, err);
 }
 
-static void save_picture(Viewer *viewer, const char *path)
-{
-    Error err = { 0 };
-    const int w = viewer->view.width, h = viewer->view.height;
-    uint8_t *rgb = array_create(3 * (size_t)w, (size_t)h, "picture", &err);
-    if (rgb != NULL) {
-        gl_read(w, h, rgb);
-        pixels_write_png(rgb, w, h, path, &err);
-    }
-    array_free(rgb);
-    if (error_is_set(&err))
-        viewer_say(viewer, "%s", err.text);
-    else
-        viewer_say(viewer, "saved %s", path);
-}
-
 static void draw_frame(Viewer *viewer)
 {
     const double now = window_time();
@@ -122,6 +106,7 @@ static void draw_frame(Viewer *viewer)
     viewer->exposure_due = false;
     viewer->dirty = false;
     measuring_work(viewer);
+    gathered_work(viewer);
     gl_draw(viewer->gl, &viewer->view);
     gui_begin(viewer->view.width, viewer->view.height, now - viewer->last_frame);
     panels_draw(viewer);
@@ -137,7 +122,7 @@ static void draw_frame(Viewer *viewer)
 static double patience(const Viewer *viewer)
 {
     const double since = window_time() - viewer->last_frame;
-    const bool working = !atomic_load(&viewer->control->finished);
+    const bool working = !atomic_load(&viewer->control->finished) || gathered_awaited(viewer);
     const double rate = viewer->options->rate;
     if (viewer->script != NULL)
         return fmax(0, (working ? WORKING_SECONDS : 0) - since);
@@ -154,6 +139,7 @@ static bool run_script(Viewer *viewer, Error *err)
     const ScriptState state = {
         .step = viewer->shown != NULL ? viewer->shown->step : STEP_READING,
         .finished = atomic_load(&viewer->control->finished),
+        .picture = easel_state(&viewer->control->easel, NULL, NULL),
     };
     if (viewer->script == NULL)
         return true;
@@ -188,12 +174,12 @@ static bool one_frame(Viewer *viewer, Error *err)
         return true;
     draw_frame(viewer);
     if (viewer->screenshot[0] != '\0')
-        save_picture(viewer, viewer->screenshot);
+        files_save_frame(viewer, viewer->screenshot);
     viewer->screenshot[0] = '\0';
     if (options->frames > 0 && viewer->frame >= options->frames)
         viewer->close = true;
     if (viewer->close && options->screenshot != NULL)
-        save_picture(viewer, options->screenshot);
+        files_save_frame(viewer, options->screenshot);
     window_show(viewer->window);
     return true;
 }

@@ -9,6 +9,7 @@
 
 typedef struct {
     const char *scene;          /* name, for the title and for files that are saved */
+    const char *command;        /* line that began it, for those files */
     int         width, height;  /* pixels */
     const char *script;         /* file, or NULL */
     const char *screenshot;     /* PNG of the last frame, or NULL */

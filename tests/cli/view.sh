@@ -11,24 +11,7 @@ ok "drags are in it" grep -q 'left drag  *orbit' "$DIR/out"
 unset DISPLAY WAYLAND_DISPLAY
 ok "no screen" fails 1 'no window' view "$cube" --progress none --frames 2 "${fast[@]}"
 
-# A screen of our own: X tells its number once it listens.
-if ! command -v Xvfb >/dev/null; then
-    echo "# Xvfb is missing (make deps): nothing with a window is tried"
-    finish
-    exit
-fi
-Xvfb -displayfd 3 -screen 0 800x600x24 -nolisten tcp 3>"$DIR/display" 2>"$DIR/xvfb" &
-screen=$!
-trap 'kill "$screen" 2>/dev/null; wait "$screen" 2>/dev/null; rm -rf "$DIR"' EXIT
-for ((i = 0; i < 300; i++)); do
-    [ -s "$DIR/display" ] && break
-    sleep 0.1
-done
-DISPLAY=:$(cat "$DIR/display")
-export DISPLAY
-export LIBGL_ALWAYS_SOFTWARE=1
-# What graphics drivers do not give back is not ours to report.
-export ASAN_OPTIONS=${ASAN_OPTIONS:-}:detect_leaks=0
+. "$(dirname "$0")/screen.inc"
 small=(--size 240x180 --progress none "${fast[@]}")
 
 ok "a missing scene is told before a window is" fails 3 'cannot' view "$DIR/none.obj" "${small[@]}"
