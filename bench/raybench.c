@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rays per second against Embree's best mode and order, in turns over the same rays.
  *
- *   raybench [-j 1,2] [-n PAIRS] [-w hvp] [-o FILE.json] [-v] [-c] SCENE...
+ *   raybench [-j 1,2] [-n PAIRS] [-w hvp] [-b medium|high] [-o FILE.json] [-a] [-v] [-c] SCENE...
  *   raybench -i COPIES -o FILE.png SCENE    a picture of so many copies of one tree
  *
+ * -b high makes the better trees and compares them with the ordinary ones too; -a leaves Embree out.
  * Every mode of Embree is tried once or twice; the best is then measured in turns with ours, PAIRS
  * times. A pair's ratio is ours over Embree's; min, median and max over the pairs are told. */
 #include <assert.h>
 #include <getopt.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,8 +25,9 @@ typedef struct {
     unsigned    threads[8];
     int         thread_counts, pairs;
     const char *works, *out;
+    BvhQuality  quality;
     uint32_t    copies; /* 0: measure rays */
-    bool        verbose;
+    bool        verbose, alone; /* alone: Embree is left out */
 } Settings;
 
 /* With -c: of the processor, for machines on which others run too; use with one thread. */
@@ -105,7 +108,7 @@ static double median(double *value, int count)
 
 typedef struct {
     const Model    *model;
-    const Bvh      *bvh;
+    const Bvh      *bvh, *plain; /* plain: of medium quality, when bvh is better; else NULL */
     const Peer     *peer;
     const Settings *settings;
     FILE           *out;
@@ -154,11 +157,33 @@ static void write_row(Bench *b, const RaySet *set, int threads, double ours, dou
             b->peer_build[threads]);
 }
 
+/* The better tree against the ordinary one, in turns. */
+static void measure_plain(const Bench *b, const RaySet *set, unsigned threads, Error *err)
+{
+    double ratio[PAIRS_MAX], nodes[2], triangles[2], least[2] = { INFINITY, INFINITY };
+    const int pairs = b->settings->pairs;
+    for (int i = 0; i < pairs && !error_is_set(err); i++) {
+        const double plain = our_trace(b->plain, set, threads, err).seconds;
+        const double better = our_trace(b->bvh, set, threads, err).seconds;
+        ratio[i] = plain / better;
+        least[0] = plain < least[0] ? plain : least[0];
+        least[1] = better < least[1] ? better : least[1];
+    }
+    if (error_is_set(err))
+        return;
+    const double m = median(ratio, pairs);
+    rays_count(b->plain, set, &nodes[0], &triangles[0]);
+    rays_count(b->bvh, set, &nodes[1], &triangles[1]);
+    printf("    against medium quality: %.2f [%.2f %.2f], best times %.2f; nodes a ray %.1f, then "
+           "%.1f; triangles %.1f, then %.1f\n", m, ratio[0], ratio[pairs - 1],
+           least[0] / least[1], nodes[0], nodes[1], triangles[0], triangles[1]);
+}
+
 static bool measure(Bench *b, const RaySet *set, int which, Error *err)
 {
     const unsigned threads = b->settings->threads[which];
     PeerMode mode[PEER_MODES_MAX];
-    const int modes = peer_modes(set->work, mode);
+    const int modes = b->settings->alone ? 0 : peer_modes(set->work, mode);
     const int best = best_mode(b, set, threads, mode, modes), pairs = b->settings->pairs;
     double ours[PAIRS_MAX], theirs[PAIRS_MAX], ratio[PAIRS_MAX] = { 0 };
     Traced mine = our_trace(b->bvh, set, threads, err), other = { 0 };
@@ -178,6 +203,8 @@ static bool measure(Bench *b, const RaySet *set, int which, Error *err)
     printf("%-16s %-10s %u  %8.2f  %8.2f  %5.2f [%4.2f %4.2f]  %s\n", b->model->name,
            work_name(set->work), threads, m, e, ratio[pairs / 2], ratio[0], ratio[pairs - 1],
            modes > 0 ? mode[best].name : "no Embree here");
+    if (b->plain != NULL)
+        measure_plain(b, set, threads, err);
     if (modes > 0 && b->settings->verbose)
         printf("    hits %llu / %llu, sum of primitives off by %g\n",
                (unsigned long long)mine.hits, (unsigned long long)other.hits,
@@ -189,20 +216,25 @@ static bool measure(Bench *b, const RaySet *set, int which, Error *err)
     return true;
 }
 
+static Primitives model_primitives(const Model *m)
+{
+    return (Primitives){ .position = m->position, .corner = m->corner,
+                         .vertex_count = m->vertex_count, .triangle_count = m->triangle_count };
+}
+
 /* The tree once more for each pair of builds; the last ones stay. */
 static bool builds(Bench *b, int which, Bvh **bvh, Peer **peer, Error *err)
 {
     const unsigned threads = b->settings->threads[which];
     const Model *m = b->model;
-    const Primitives in = { .position = m->position, .corner = m->corner,
-                            .vertex_count = m->vertex_count, .triangle_count = m->triangle_count };
+    const Primitives in = model_primitives(m);
     double ours[3], theirs[3] = { 0 };
     BvhStats stats = { 0 };
     uint64_t bytes = 0;
     for (int i = 0; i < 3; i++) {
         bvh_destroy(*bvh);
         const double begin = bench_now();
-        *bvh = bvh_create(&in, threads, err);
+        *bvh = bvh_create_as(&in, b->settings->quality, threads, err);
         ours[i] = bench_now() - begin;
         if (*bvh == NULL)
             return false;
@@ -224,7 +256,7 @@ static bool bench_scene(Bench *b, const char *name, Error *err)
 {
     const Settings *s = b->settings;
     Model model;
-    Bvh *bvh = NULL;
+    Bvh *bvh = NULL, *plain = NULL;
     Peer *peer = NULL;
     if (!model_read(&model, name, err))
         return false;
@@ -232,7 +264,13 @@ static bool bench_scene(Bench *b, const char *name, Error *err)
     bool good = true;
     for (int i = 0; good && i < s->thread_counts; i++)
         good = builds(b, i, &bvh, &peer, err);
+    if (good && s->quality != BVH_MEDIUM) {
+        const Primitives in = model_primitives(&model);
+        plain = bvh_create(&in, s->threads[0], err);
+        good = plain != NULL;
+    }
     b->bvh = bvh;
+    b->plain = plain;
     b->peer = peer;
     for (Work work = 0; good && work < WORKS; work++) {
         RaySet set;
@@ -245,6 +283,7 @@ static bool bench_scene(Bench *b, const char *name, Error *err)
     }
     peer_destroy(peer);
     bvh_destroy(bvh);
+    bvh_destroy(plain);
     model_clear(&model);
     return good;
 }
@@ -253,7 +292,7 @@ static Settings read_options(int argc, char **argv)
 {
     Settings s = { .threads = { 1, 2 }, .thread_counts = 2, .pairs = 7, .works = "hvp" };
     int c;
-    while ((c = getopt(argc, argv, "j:n:w:o:i:vc")) != -1) {
+    while ((c = getopt(argc, argv, "j:n:w:o:i:b:avc")) != -1) {
         if (c == 'j') {
             s.thread_counts = 0;
             for (char *p = strtok(optarg, ","); p != NULL && s.thread_counts < 8;
@@ -269,6 +308,10 @@ static Settings read_options(int argc, char **argv)
             clock_used = CLOCK_PROCESS_CPUTIME_ID;
         else if (c == 'i')
             s.copies = (uint32_t)strtoul(optarg, NULL, 10);
+        else if (c == 'b' && (strcmp(optarg, "medium") == 0 || strcmp(optarg, "high") == 0))
+            s.quality = optarg[0] == 'h' ? BVH_HIGH : BVH_MEDIUM;
+        else if (c == 'a')
+            s.alone = true;
         else if (c == 'v')
             s.verbose = true;
         else
@@ -278,8 +321,9 @@ static Settings read_options(int argc, char **argv)
         if (s.threads[i] > SUMS)
             s.threads[i] = SUMS;
     if (s.pairs < 1 || s.pairs > PAIRS_MAX || s.thread_counts == 0 || optind >= argc) {
-        fprintf(stderr, "usage: raybench [-j 1,2] [-n PAIRS] [-w hvp] [-o FILE] [-v] [-c] "
-                        "SCENE...\n       raybench -i COPIES -o FILE.png SCENE\n"
+        fprintf(stderr, "usage: raybench [-j 1,2] [-n PAIRS] [-w hvp] [-b medium|high] "
+                        "[-o FILE] [-a] [-v] [-c] SCENE...\n"
+                        "       raybench -i COPIES -o FILE.png SCENE\n"
                         "SCENE: cornell, cornell100k, room, room12m, solids or a file\n");
         exit(2);
     }

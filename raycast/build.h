@@ -5,6 +5,7 @@
  * bvh_split.c  where to cut a range of references, and the cutting
  * bvh_top.c    the same for long ranges, by all threads
  * bvh_build.c  ranges -> nodes and groups, subtrees in parallel, all put together
+ * pairs.h      the slower, better build
  * bvh_refit.c  new boxes for what has moved
  * bvh_file.c   a tree into a file and back
  */
@@ -138,6 +139,17 @@ typedef struct {
     unsigned  threads;        /* that take part in cuts of long ranges; 0: none does */
 } RefSet;
 
+/* What the primitives of a leaf cost: groups begun. */
+static inline float groups_of(uint32_t count)
+{
+    return (float)((count + GROUP_WIDTH - 1) / GROUP_WIDTH);
+}
+
+/* A visit to a node costs about as much as one to a group of triangles (measured). */
+#define COST_NODE 1.0f
+/* Most references in a leaf. */
+#define LEAF_REFS_MAX (LEAF_GROUPS_MAX * GROUP_WIDTH / 2)
+
 /* --- bvh_split.c ----------------------------------------------------------------------------- */
 
 #define BINS_MAX 16
@@ -190,6 +202,13 @@ bool range_cut(const RefSet *set, const Range *range, Range *left, Range *right,
 bool range_cut_together(const RefSet *set, Range *range, Box centre[2], Error *err);
 
 /* --- bvh_build.c ----------------------------------------------------------------------------- */
+
+/* Fills all corners of a group whose primitives stand in it. */
+void group_fill(const Primitives *in, TriangleGroup *group);
+
+/* Slots for children with these boxes, within `whole`: along a slot's diagonal (internal.h). */
+void node_slots(Box whole, const Box *child, uint32_t count, uint32_t slot_of[NODE_WIDTH]);
+void node_clear(Node *node);
 
 /* One block for the tree's arrays; fills their addresses and counts, but nothing in them. */
 bool tree_reserve(Bvh *bvh, size_t nodes, size_t groups, size_t shapes, Error *err);

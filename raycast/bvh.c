@@ -10,6 +10,7 @@
 
 #include "base/array.h"
 #include "raycast/build.h"
+#include "raycast/pairs.h"
 #include "raycast/probe.h"
 #include "raycast/sort.h"
 
@@ -65,7 +66,30 @@ const Kernel *kernel_choose(Error *err)
 
 /* --- the tree -------------------------------------------------------------------------------- */
 
+/* The slower build; what it cannot hold within BVH_DEPTH the ordinary one can. Takes `ref`. */
+static bool build_high(Bvh *bvh, const Primitives *in, Ref *ref, uint32_t count, unsigned threads,
+                       Error *err)
+{
+    Pairs pairs;
+    bool deep = false;
+    bool good = pairs_build(&pairs, in, ref, count, threads, err)
+                && pairs_reinsert(&pairs, threads, err)
+                && pairs_collapse(bvh, &pairs, in, threads, &deep, err);
+    array_free(pairs.pair);
+    bvh->cut = good && !deep;
+    if (good && deep) {
+        ref = refs_create(in, threads, &count, err);
+        good = ref != NULL && tree_build(bvh, in, ref, count, threads, err);
+    }
+    return good;
+}
+
 Bvh *bvh_create(const Primitives *primitives, unsigned threads, Error *err)
+{
+    return bvh_create_as(primitives, BVH_MEDIUM, threads, err);
+}
+
+Bvh *bvh_create_as(const Primitives *primitives, BvhQuality quality, unsigned threads, Error *err)
 {
     assert(primitives != NULL && err != NULL);
     assert(primitives->triangle_count == 0
@@ -85,7 +109,9 @@ Bvh *bvh_create(const Primitives *primitives, unsigned threads, Error *err)
     bvh->kernel = kernel;
     bvh->triangle_count = primitives->triangle_count;
     bvh->flat_count = primitives->triangle_count + primitives->shape_count - count;
-    const bool good = tree_build(bvh, primitives, ref, count, threads, err);
+    const bool good = quality == BVH_HIGH && count > 0
+                          ? build_high(bvh, primitives, ref, count, threads, err)
+                          : tree_build(bvh, primitives, ref, count, threads, err);
     bvh->seconds = seconds_now() - start;
     return good ? bvh : bvh_destroy(bvh);
 }

@@ -89,11 +89,11 @@ static bool leaf_triangles(Builder *b, const Range *r, uint32_t *child, Error *e
     return true;
 }
 
-static void group_fill(const Primitives *in, const Members *members, TriangleGroup *group)
+void group_fill(const Primitives *in, TriangleGroup *group)
 {
-    memset(group, 0, sizeof *group);
+    memset(group->vertex, 0, sizeof group->vertex);
     for (uint32_t lane = 0; lane < GROUP_WIDTH; lane++) {
-        const uint32_t primitive = group->primitive[lane] = members->primitive[lane];
+        const uint32_t primitive = group->primitive[lane];
         if (primitive == RAY_MISS)
             continue;
         float corner[3][3];
@@ -139,44 +139,43 @@ static bool node_parts(Builder *b, const Range *range, Range part[NODE_WIDTH], u
 }
 
 /* How well children lie in slots: along a slot's diagonal (internal.h). */
-static void slot_scores(const Range *range, const Range *part, uint32_t count,
+static void slot_scores(Box whole, const Box *child, uint32_t count,
                         float score[NODE_WIDTH][NODE_WIDTH])
 {
-    const Float4 middle = box_centre(range->box);
+    const Float4 middle = box_centre(whole);
     for (uint32_t i = 0; i < count; i++) {
-        const Float4 o = box_centre(part[i].box) - middle;
+        const Float4 o = box_centre(child[i]) - middle;
         for (uint32_t s = 0; s < NODE_WIDTH; s++)
             score[i][s] = (s & 1 ? -o[0] : o[0]) + (s & 2 ? -o[1] : o[1]) + (s & 4 ? -o[2] : o[2]);
     }
 }
 
 /* Greedy: the best pair of a child and a free slot first. */
-static void assign_slots(const Range *range, const Range *part, uint32_t count,
-                         uint32_t slot_of[NODE_WIDTH])
+void node_slots(Box whole, const Box *child, uint32_t count, uint32_t slot_of[NODE_WIDTH])
 {
     float score[NODE_WIDTH][NODE_WIDTH];
     uint32_t taken = 0, placed = 0;
-    slot_scores(range, part, count, score);
+    slot_scores(whole, child, count, score);
     for (uint32_t round = 0; round < count; round++) {
         float best = -INFINITY;
-        uint32_t best_part = 0, best_slot = 0;
+        uint32_t best_child = 0, best_slot = 0;
         for (uint32_t i = 0; i < count; i++) {
             if (placed >> i & 1)
                 continue;
             for (uint32_t s = 0; s < NODE_WIDTH; s++)
                 if (!(taken >> s & 1) && score[i][s] > best) {
                     best = score[i][s];
-                    best_part = i;
+                    best_child = i;
                     best_slot = s;
                 }
         }
-        slot_of[best_part] = best_slot;
-        placed |= 1u << best_part;
+        slot_of[best_child] = best_slot;
+        placed |= 1u << best_child;
         taken |= 1u << best_slot;
     }
 }
 
-static void node_clear(Node *node)
+void node_clear(Node *node)
 {
     for (uint32_t i = 0; i < NODE_WIDTH; i++) {
         for (uint32_t k = 0; k < 3; k++) {
@@ -217,10 +216,13 @@ static bool child_build(Builder *b, const Range *range, uint32_t *child, Error *
         return task_add(b, range, child, err);
 
     Range part[NODE_WIDTH];
+    Box box[NODE_WIDTH];
     uint32_t slot_of[NODE_WIDTH], count, index;
     if (!node_parts(b, range, part, &count, err) || !part_add_node(b->part, &index, err))
         return false;
-    assign_slots(range, part, count, slot_of);
+    for (uint32_t i = 0; i < count; i++)
+        box[i] = part[i].box;
+    node_slots(range->box, box, count, slot_of);
     for (uint32_t i = 0; i < count; i++) {
         uint32_t below;
         if (!child_build(b, &part[i], &below, err))
@@ -331,8 +333,11 @@ static void part_move(Bvh *bvh, const Primitives *in, Part *part, const Task *ta
         for (uint32_t s = 0; s < NODE_WIDTH; s++)
             node->child[s] = child_moved(task, node->child[s], node_base, group_base);
     }
-    for (size_t i = 0; i < part->group_count; i++)
-        group_fill(in, &part->group[i], &bvh->group[group_base + i]);
+    for (size_t i = 0; i < part->group_count; i++) {
+        TriangleGroup *group = &bvh->group[group_base + i];
+        memcpy(group->primitive, part->group[i].primitive, sizeof group->primitive);
+        group_fill(in, group);
+    }
     part->node = array_free(part->node);
     part->group = array_free(part->group);
 }

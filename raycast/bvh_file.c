@@ -19,7 +19,8 @@ typedef struct {
     char     magic[8];
     uint32_t order, node_bytes, group_bytes, version;
     uint64_t key; /* of the primitives */
-    uint32_t node_count, group_count, flat_count, unused;
+    uint32_t node_count, group_count, flat_count;
+    uint32_t cut; /* 1: triangles may be cut (internal.h); else 0 */
     float    lo[3], hi[3];
 } Header;
 
@@ -60,7 +61,8 @@ bool bvh_save(const Bvh *bvh, const Primitives *primitives, const char *path, Er
     Header header = { .magic = FILE_MAGIC, .order = FILE_ORDER, .node_bytes = sizeof(Node),
                       .group_bytes = sizeof(TriangleGroup), .version = FILE_VERSION,
                       .key = primitives_key(primitives), .node_count = bvh->node_count,
-                      .group_count = bvh->group_count, .flat_count = bvh->flat_count };
+                      .group_count = bvh->group_count, .flat_count = bvh->flat_count,
+                      .cut = bvh->cut };
     memcpy(header.lo, bvh->lo, sizeof header.lo);
     memcpy(header.hi, bvh->hi, sizeof header.hi);
     OutFile *out = outfile_open(path, err);
@@ -90,7 +92,7 @@ static const char *header_fault(const Header *h, size_t size, const Primitives *
         return "is a tree of boxes of another version or machine: it must be made anew";
     const uint64_t expected = sizeof *h + (uint64_t)h->node_count * sizeof(Node)
                               + (uint64_t)h->group_count * sizeof(TriangleGroup) + sizeof(uint64_t);
-    if (expected != size || h->node_count == 0)
+    if (expected != size || h->node_count == 0 || h->cut > 1)
         return "is damaged: its length does not fit its contents";
     if (h->key != primitives_key(in))
         return "is a tree of boxes of another scene: it must be made anew";
@@ -154,6 +156,7 @@ static bool tree_fill(Bvh *bvh, const Header *h, const char *bytes, const Primit
         memcpy(bvh->shape, in->shape, in->shape_count * sizeof *bvh->shape);
     bvh->triangle_count = in->triangle_count;
     bvh->flat_count = h->flat_count;
+    bvh->cut = h->cut == 1;
     return true;
 }
 

@@ -12,14 +12,6 @@
 #define BINS_FEW 8
 #define BINS_FEW_BELOW 64u    /* references: few bins see as much as many, and cost less */
 #define BINS_TWO_FROM 96u
-/* A visit to a node costs about as much as one to a group of triangles (measured). */
-#define COST_NODE 1.0f
-#define LEAF_REFS_MAX (LEAF_GROUPS_MAX * GROUP_WIDTH / 2)
-
-static float groups_of(uint32_t count)
-{
-    return (float)((count + GROUP_WIDTH - 1) / GROUP_WIDTH);
-}
 
 /* A leaf holds triangles only, or one shape. */
 static bool may_be_leaf(const RefSet *set, const Range *r)

@@ -88,6 +88,7 @@ struct Bvh {
     float          lo[3], hi[3]; /* box around everything; all 0 when there is nothing */
     uint32_t       node_count, group_count, shape_count, triangle_count;
     uint32_t       flat_count; /* triangles without area: they are not in the tree */
+    bool           cut;        /* a triangle may be in several leaves, in each box a part of it */
     void          *memory;     /* the one block that holds node, group and shape */
     size_t         bytes;
     double         seconds;

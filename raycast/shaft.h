@@ -17,8 +17,9 @@ typedef struct {
 /* Called with each primitive whose box may reach into the body; false ends the search. */
 typedef bool (*ShaftVisit)(void *user, uint32_t primitive);
 
-/* Visits, once each, all primitives with area that reach into the body by more than `slack` from
- * every one of its planes, and perhaps others near it. The order is that of the tree.
+/* Visits, once each (in a tree of BVH_HIGH perhaps more often), all primitives with area that reach
+ * into the body by more than `slack` from every one of its planes, and perhaps others near it. The
+ * order is that of the tree.
  * returns false when a visit ended the search. */
 bool bvh_shaft(const Bvh *bvh, const Plane *plane, uint32_t planes, double slack,
                ShaftVisit visit, void *user);

@@ -81,7 +81,7 @@ static void balls_are_closed(void **state)
         uint32_t escaped = 0;
         for (uint32_t j = 0; j < 120000 / SLOWER; j++) {
             const Ray ray = ball_ray(s, &r, centre, table[i].radius);
-            for (int k = 0; k < KERNELS; k++) {
+            for (int k = 0; k < TREES; k++) {
                 Hit hit;
                 if (trees.bvh[k] != NULL)
                     escaped += !bvh_nearest(trees.bvh[k], &ray, &hit)

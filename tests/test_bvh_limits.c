@@ -300,7 +300,7 @@ static void nothing_is_a_valid_tree(void **state)
     (void)state;
     const Primitives nothing = { 0 };
     Trees trees = trees_create(&nothing);
-    for (int k = 0; k < KERNELS; k++) {
+    for (int k = 0; k < TREES; k++) {
         Hit hit;
         if (trees.bvh[k] == NULL)
             continue;
@@ -355,7 +355,7 @@ static void many_equal_single(void **state)
     for (int i = 0; i < COUNT; i++)
         ray[i] = random_ray(s, &r, vec3(0, 0, 0), 1.5);
     ray[7].dx = NAN;
-    for (int k = 0; k < KERNELS; k++) {
+    for (int k = 0; k < TREES; k++) {
         if (trees.bvh[k] == NULL)
             continue;
         bvh_nearest_many(trees.bvh[k], ray, hit, COUNT);

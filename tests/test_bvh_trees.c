@@ -16,7 +16,7 @@ static void shake(Scene *s, double most, Random *r)
 
 static void refit_all(Trees *trees, const Scene *s)
 {
-    for (int k = 0; k < KERNELS; k++) {
+    for (int k = 0; k < TREES; k++) {
         Error err = { 0 };
         if (trees->bvh[k] == NULL)
             continue;
