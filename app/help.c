@@ -57,10 +57,11 @@ static const CommandHelp command_help[] = {
     { COMMAND_BENCH, "[SCENE]", "rays per second; seconds and memory per stage",
       "  isolux bench                              the built-in Cornell box\n"
       "  isolux bench room.glb --json bench.json\n", NULL },
-    { COMMAND_VIEW, "SCENE", "a window: watch light spread, walk about, measure",
+    { COMMAND_VIEW, "SCENE|SOLUTION.ply", "a window: watch light spread, walk about, measure",
       "  isolux view room.glb\n"
       "  isolux view room.msd --patches 50000 --solver progressive\n"
       "  isolux view room.glb --script keys.txt --screenshot room.png\n"
+      "  isolux view room.ply                      as solve -o room.ply wrote it\n"
       "  isolux view --list-bindings\n",
       "Light is shown from the first moment on and gets better. F1 shows keys and mouse.\n" },
     { COMMAND_COMPARE, "REFERENCE.exr PICTURE.exr", "how far one picture is from another",

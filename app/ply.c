@@ -128,6 +128,7 @@ static void put_header(const Ply *ply)
                  "comment red green blue: radiosity / pi * 2^%.4f, shown as sRGB\n",
             pipeline->session->options.unit_m, lux ? "lm/m2" : "W/m2", lux ? "lux" : "W/m2",
             log2(ply->scale * PI));
+    ply_notes_put(out, pipeline->scene);
     for (size_t i = 0; i < soup->group_count; i++)
         put_name(out, "group", i, soup->group_name[i]);
     for (size_t i = 0; i < soup->material_count; i++)

@@ -9,6 +9,8 @@
 #include "base/array.h"
 #include "base/file.h"
 
+#define PLY_BEGIN "ply\nformat binary_little_endian 1.0\ncomment made by isolux "
+
 static const size_t FILE_LIMIT = (size_t)16 << 30;
 
 typedef struct {
@@ -82,15 +84,31 @@ static bool add_group(SolvedMesh *mesh, PlyBytes *in)
     return true;
 }
 
+/* The rest of a comment's line. */
+static bool take_note(SolvedMesh *mesh, PlyBytes *in)
+{
+    char text[512];
+    const uint8_t *const begin = take_line(in);
+    if (begin == NULL)
+        return cut_off(in, "header");
+    const size_t length = (size_t)(in->at - begin) - 1;
+    if (length >= sizeof text)
+        return true;
+    for (size_t i = 0; i < length; i++)
+        text[i] = begin[i] < ' ' ? ' ' : (char)begin[i];
+    text[length] = '\0';
+    return ply_notes_take(&mesh->notes, text, in->err);
+}
+
 /* *count_bytes: of the number that precedes a face's corners. */
 static bool parse_header(SolvedMesh *mesh, PlyBytes *in, unsigned *count_bytes)
 {
-    if (!take(in, "ply\nformat binary_little_endian 1.0\ncomment made by isolux "))
+    if (!take(in, PLY_BEGIN))
         return foreign(in);
     if (take_line(in) == NULL)
         return cut_off(in, "header");
     while (take(in, "comment ")) {
-        if (take(in, "group ") ? !add_group(mesh, in) : take_line(in) == NULL)
+        if (take(in, "group ") ? !add_group(mesh, in) : !take_note(mesh, in))
             return error_is_set(in->err) ? false : cut_off(in, "header");
     }
     if (!take(in, "element vertex ") || !take_number(in, &mesh->vertex_count) ||
@@ -157,6 +175,7 @@ static bool parse_vertices(SolvedMesh *mesh, PlyBytes *in)
     if ((size_t)(in->end - in->at) / (place + PLY_VERTEX_BYTES) < n)
         return cut_off(in, "vertices");
     mesh->position = array_create(n, sizeof *mesh->position, "vertices", in->err);
+    mesh->radiosity = array_create(3 * (size_t)n, sizeof *mesh->radiosity, "vertices", in->err);
     mesh->irradiance = array_create(3 * (size_t)n, sizeof *mesh->irradiance, "vertices", in->err);
     if (error_is_set(in->err))
         return false;
@@ -165,6 +184,7 @@ static bool parse_vertices(SolvedMesh *mesh, PlyBytes *in)
         const bool known = mesh->far ? get_doubles(in->at, p) : get_bands(in->at, p);
         in->at += place;
         if (!known ||
+            !get_bands(in->at + PLY_VERTEX_RADIOSITY, mesh->radiosity + 3 * (size_t)i) ||
             !get_bands(in->at + PLY_VERTEX_IRRADIANCE, mesh->irradiance + 3 * (size_t)i))
             return odd_number(in, "vertex", i);
         mesh->position[i] = vec3(p[0], p[1], p[2]);
@@ -199,8 +219,12 @@ static bool allocate_faces(SolvedMesh *mesh, Error *err)
     mesh->first_corner = array_create(n + 1, sizeof *mesh->first_corner, "faces", err);
     mesh->patch = array_create(n, sizeof *mesh->patch, "faces", err);
     mesh->group = array_create(n, sizeof *mesh->group, "faces", err);
+    mesh->material = array_create(n, sizeof *mesh->material, "faces", err);
     mesh->side = array_create(n, sizeof *mesh->side, "faces", err);
     mesh->area = array_create(n, sizeof *mesh->area, "faces", err);
+    mesh->whole_area = array_create(n, sizeof *mesh->whole_area, "faces", err);
+    mesh->face_radiosity = array_create(3 * n, sizeof *mesh->face_radiosity, "faces", err);
+    mesh->face_reflectance = array_create(3 * n, sizeof *mesh->face_reflectance, "faces", err);
     mesh->face_irradiance = array_create(3 * n, sizeof *mesh->face_irradiance, "faces", err);
     return !error_is_set(err);
 }
@@ -212,10 +236,14 @@ static bool parse_face(SolvedMesh *mesh, const uint8_t *at, uint32_t face)
     const double area = get_float(at + PLY_FACE_AREA), visible = get_float(at + PLY_FACE_VISIBLE);
     mesh->patch[face] = get_bytes(at + PLY_FACE_PATCH, 4);
     mesh->group[face] = get_bytes(at + PLY_FACE_GROUP, 4);
+    mesh->material[face] = get_bytes(at + PLY_FACE_MATERIAL, 4);
     mesh->side[face] = side == 1;
+    mesh->whole_area[face] = area;
     mesh->area[face] = visible;
     return side <= 1 && mesh->group[face] < mesh->group_count && isfinite(area) &&
-           visible >= 0 && isfinite(visible) &&
+           area >= 0 && visible >= 0 && isfinite(visible) &&
+           get_bands(at + PLY_FACE_RADIOSITY, mesh->face_radiosity + 3 * (size_t)face) &&
+           get_bands(at + PLY_FACE_REFLECTANCE, mesh->face_reflectance + 3 * (size_t)face) &&
            get_bands(at + PLY_FACE_IRRADIANCE, mesh->face_irradiance + 3 * (size_t)face);
 }
 
@@ -270,6 +298,18 @@ bool solved_mesh_read(SolvedMesh *mesh, const char *path, Error *err)
     return good;
 }
 
+bool solved_mesh_is(const char *path)
+{
+    char begin[sizeof PLY_BEGIN - 1];
+    FILE *file = fopen(path, "rb");
+    if (file == NULL)
+        return false;
+    const bool is = fread(begin, 1, sizeof begin, file) == sizeof begin &&
+                    memcmp(begin, PLY_BEGIN, sizeof begin) == 0;
+    fclose(file);
+    return is;
+}
+
 void solved_mesh_move(SolvedMesh *mesh, Vec3 by)
 {
     for (uint32_t i = 0; i < mesh->vertex_count; i++)
@@ -282,12 +322,18 @@ void solved_mesh_clear(SolvedMesh *mesh)
         array_free(mesh->group_name[i]);
     array_free(mesh->group_name);
     array_free(mesh->position);
+    array_free(mesh->radiosity);
     array_free(mesh->irradiance);
     array_free(mesh->first_corner);
     array_free(mesh->corner);
     array_free(mesh->patch);
     array_free(mesh->group);
+    array_free(mesh->material);
     array_free(mesh->side);
+    array_free(mesh->whole_area);
+    array_free(mesh->face_radiosity);
+    array_free(mesh->face_reflectance);
+    ply_notes_clear(&mesh->notes);
     array_free(mesh->area);
     array_free(mesh->face_irradiance);
     *mesh = (SolvedMesh){ 0 };

@@ -214,3 +214,10 @@ void view_of_surfaces(const Scene *scene, const Surfaces *surfaces, const Bvh *b
     box.surfaces = surfaces;
     view_choose(&box, camera);
 }
+
+void view_of_triangles(const Bvh *bvh, Vec3 lo, Vec3 hi, Vec3 up, Camera *camera)
+{
+    assert(bvh != NULL && camera != NULL);
+    const ViewBox box = viewbox_make(bvh, lo, hi, up);
+    view_choose(&box, camera);
+}

@@ -15,5 +15,7 @@
  * hits come from `bvh`, built over `surfaces`, which were made from the scene. */
 void view_of_surfaces(const Scene *scene, const Surfaces *surfaces, const Bvh *bvh,
                       Camera *camera);
+/* The same for triangles of which no more is known; `up` as a scene's. */
+void view_of_triangles(const Bvh *bvh, Vec3 lo, Vec3 hi, Vec3 up, Camera *camera);
 
 #endif

@@ -3,6 +3,7 @@
 #include "viewer/control.h"
 
 #include <assert.h>
+#include <stdio.h>
 
 void control_init(Control *control)
 {
@@ -34,4 +35,24 @@ void control_read(Control *control, Report *report)
     pthread_mutex_lock(&control->lock);
     *report = control->report;
     pthread_mutex_unlock(&control->lock);
+}
+
+void control_say(Control *control, const char *line)
+{
+    assert(line != NULL);
+    pthread_mutex_lock(&control->lock);
+    snprintf(control->said, sizeof control->said, "%s", line);
+    control->sayings++;
+    pthread_mutex_unlock(&control->lock);
+}
+
+bool control_heard(Control *control, unsigned *sayings, char *line, size_t size)
+{
+    pthread_mutex_lock(&control->lock);
+    const bool another = control->sayings != *sayings;
+    *sayings = control->sayings;
+    if (another)
+        snprintf(line, size, "%s", control->said);
+    pthread_mutex_unlock(&control->lock);
+    return another;
 }

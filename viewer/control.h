@@ -38,6 +38,8 @@ typedef struct {
     Easel       easel;
     pthread_mutex_t lock;
     Report      report;     /* under the lock */
+    char        said[256];  /* under the lock: a line for the window */
+    unsigned    sayings;    /* under the lock: grows with each of them */
 } Control;
 
 /* With a report of nothing done yet. */
@@ -46,5 +48,9 @@ void control_clear(Control *control);
 /* The solver's report so far, and the last one there was. */
 void control_report(Control *control, const Report *report);
 void control_read(Control *control, Report *report);
+/* A line of the solver's for who looks on; each is shown once, the last one of several. */
+void control_say(Control *control, const char *line);
+/* It, when it is another than the last; sayings: counts, 0 at first. */
+bool control_heard(Control *control, unsigned *sayings, char *line, size_t size);
 
 #endif

@@ -46,6 +46,7 @@ typedef struct Viewer {
     unsigned    picture_seen;   /* changes of the easel that the card holds */
     unsigned    picture_knobs;  /* version of the knobs when it was asked for */
     Report      report;
+    unsigned    sayings;       /* of the solver's that were heard */
     char        notice[256];
     double      notice_until;
     double      last_frame, frame_seconds; /* the latter a running mean */

@@ -79,12 +79,16 @@ static double solver_panel(Viewer *viewer, double y, double width)
 {
     const Report *r = &viewer->report;
     const bool paused = atomic_load(&viewer->control->paused);
-    if (gui_panel("Solver", 8, y, width)) {
+    if (gui_panel(viewer->options->solved ? "Solution" : "Solver", 8, y, width)) {
         char text[96];
         const char *doing = paused ? "paused" : r->doing;
         const bool known = r->done >= 0 && r->done < 1;
         snprintf(text, sizeof text, known ? "%s  %.0f %%" : "%s", doing, 100 * r->done);
         gui_bar(r->done, text);
+        if (viewer->options->solved) {
+            solver_rows(r);
+            return gui_panel_end();
+        }
         if (gui_button(paused ? "Go on" : "Pause"))
             viewer_act(viewer, ACTION_PAUSE, 0);
         gui_same_line();
@@ -182,7 +186,10 @@ static void patch_panel(const Viewer *viewer, double y, double width)
     const ShownPatch *p = &mesh->patch[i];
     const double unit = viewer->options->unit_m;
     if (gui_panel("Patch", 8, y, width)) {
-        row("patch", "%u, %s, divided %u times", i, p->side == 0 ? "front" : "back", p->level);
+        if (viewer->options->solved) /* how often is not in its file */
+            row("patch", "%u, %s", i, p->side == 0 ? "front" : "back");
+        else
+            row("patch", "%u, %s, divided %u times", i, p->side == 0 ? "front" : "back", p->level);
         row("group", "%.32s", mesh->group_name[p->group]);
         row("material", "%.32s", mesh->material_name[p->material]);
         row("reflects", "%.3g %.3g %.3g", p->reflectance.r, p->reflectance.g, p->reflectance.b);
@@ -222,7 +229,9 @@ static void knobs_panel(Viewer *viewer, double width, double gap)
     const ShownMesh *mesh = viewer->shown->mesh;
     Knobs *knobs = &viewer->control->knobs;
     if (gui_panel("Lamps and paint", viewer->view.width - width - gap, gap, width)) {
-        if (viewer->shown->step < STEP_SOLVED)
+        if (viewer->options->solved)
+            gui_dim("a solution cannot be changed");
+        else if (viewer->shown->step < STEP_SOLVED)
             gui_dim("light follows once it is solved for");
         gui_heading("Light");
         knob_sliders(viewer, mesh, false);

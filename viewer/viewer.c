@@ -165,7 +165,10 @@ static bool one_frame(Viewer *viewer, Error *err)
     if (!take_new(viewer, err) || !run_script(viewer, err))
         return false;
     handle_events(viewer);
+    char line[256];
     control_read(viewer->control, &viewer->report);
+    if (control_heard(viewer->control, &viewer->sayings, line, sizeof line))
+        viewer_say(viewer, "%s", line);
     window_size(viewer->window, &viewer->view.width, &viewer->view.height);
     if (viewer->view.width < 1 || viewer->view.height < 1)
         return true; /* minimised: nothing to draw on */

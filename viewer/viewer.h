@@ -16,6 +16,7 @@ typedef struct {
     uint32_t    frames;         /* close after so many; 0: not by that */
     double      rate;           /* frames a second at all times; 0: when something changes */
     bool        no_panels;
+    bool        solved;         /* out of a file: there is no solver */
     bool        exposure_set;
     double      exposure;       /* EV */
     ToneCurve   tone;
