@@ -196,6 +196,7 @@ static void put_tree(Json *json, const Pipeline *pipeline)
     BvhStats stats;
     bvh_stats(pipeline->bvh, &stats);
     json_text(json, "kernel", bvh_isa(pipeline->bvh));
+    json_text(json, "tree", pipeline->session->settings.tree == BVH_HIGH ? "high" : "medium");
     json_number(json, "build_seconds", stats.seconds);
     json_number(json, "bytes_per_triangle",
                 stats.triangles > 0 ? (double)stats.bytes / (double)stats.triangles : NAN);

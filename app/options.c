@@ -80,6 +80,8 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       "patches of one size everywhere" },
     { OPTION_LEAST_SIZE, "--least-size", "L", SHOWING, KIND_NUMBER, FIELD(least_size), 1e-30, BIG,
       NULL, "--adapt makes no patch edge shorter (default 1/16 of the greatest)" },
+    { OPTION_TREE, "--tree", "HOW", BUILDING, KIND_CHOICE, FIELD(tree), 0, 0, "auto,medium,high",
+      "of boxes for rays; high: slower to build, then faster (auto: from quality high)" },
     { OPTION_REPAIR, "--repair", "LIST", READING | COMMAND_VIEW, KIND_SET, FIELD(repair), 0, 0,
       "weld,duplicates,junctions,nonmanifold,winding,cuts,covered",
       "all (default), none, or a list; all,-winding leaves one out" },

@@ -37,6 +37,7 @@ typedef enum { RENDERER_GATHER, RENDERER_PATH, RENDERER_WHITTED } Renderer;
 typedef enum { EXCHANGE_NONE, EXCHANGE_GEBHART, EXCHANGE_HOTTEL, EXCHANGE_FLUX } ExchangeTable;
 typedef enum { STORAGE_32, STORAGE_16 } StorageBits;
 typedef enum { UNITS_PHOTOMETRIC, UNITS_RADIOMETRIC } Units;
+typedef enum { TREE_AUTO, TREE_MEDIUM, TREE_HIGH } TreeChoice;
 typedef enum { KEEP_AUTO, KEEP_FLAT, KEEP_REFERENCES } InstancesChoice;
 typedef enum { USE_AUTO, USE_FRONT, USE_BOTH } UseSides;
 /* The order of the words of --repair. */
@@ -66,6 +67,7 @@ typedef enum {
     OPTION_ADAPT,
     OPTION_NO_ADAPT,
     OPTION_LEAST_SIZE,
+    OPTION_TREE,
     OPTION_REPAIR,
     OPTION_WELD,
     OPTION_INSTANCES,
@@ -160,6 +162,7 @@ typedef struct Options {
     int         quality, progress, closure, storage, solver, by, exchange, emit, sides, units;
     int         light;
     int         instances;   /* InstancesChoice */
+    int         tree;        /* TreeChoice */
     int         tone;        /* ToneCurve */
     int         false_colour; /* FilmQuantity */
     int         projection;  /* Projection */

@@ -163,7 +163,8 @@ static bool build_bvh(Pipeline *pipeline, Error *err)
                                     .shape = s->shape, .vertex_count = s->vertex_count,
                                     .triangle_count = s->triangle_count,
                                     .shape_count = s->shape_count };
-    pipeline->bvh = bvh_create(&primitives, pipeline->session->settings.threads, err);
+    const Settings *settings = &pipeline->session->settings;
+    pipeline->bvh = bvh_create_as(&primitives, settings->tree, settings->threads, err);
     pipeline_note(pipeline, STAGE_BVH, begin);
     return pipeline->bvh != NULL;
 }

@@ -114,6 +114,9 @@ Settings quality_settings(const Options *options)
                    .tolerance = level->tolerance, .max_iterations = options->max_iterations,
                    .spp = level->spp, .threads = options->threads, .seed = options->seed,
                    .gather_rays = points ? level->point_rays : level->gather_rays };
+    s.tree = options->tree == TREE_HIGH || (options->tree == TREE_AUTO && own >= QUALITY_HIGH)
+                 ? BVH_HIGH
+                 : BVH_MEDIUM;
     if (options->solver == SOLVER_COUNT) { /* the word after those of solvers with links */
         s.stochastic = true;
         s.solver = SOLVER_GAUSS_SEIDEL;
@@ -199,6 +202,7 @@ void quality_print(FILE *out, const Options *options, const Settings *s)
     print_value(out, options, OPTION_LEAST_SIZE, s->least_size);
     print_repair(out, options);
     print_value(out, options, OPTION_WELD, options->weld);
+    print_choice(out, options, OPTION_TREE, s->tree == BVH_HIGH ? TREE_HIGH : TREE_MEDIUM);
     print_value(out, options, OPTION_RAYS, s->rays);
     print_value(out, options, OPTION_LAMP_RAYS, s->lamp_rays);
     print_value(out, options, OPTION_ACCURACY, s->accuracy);

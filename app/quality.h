@@ -9,6 +9,7 @@
 #include "inspect/imprint.h"
 #include "mesh/surfaces.h"
 #include "radiosity/links.h"
+#include "raycast/bvh.h"
 #include "radiosity/solve.h"
 
 typedef struct {
@@ -18,6 +19,7 @@ typedef struct {
     double   least_size;     /* shortest patch edge of adapt; 0: a share of the greatest */
     SurfaceOptions repair;
     ImprintOptions imprint; /* but for the number of pieces and the list */
+    BvhQuality tree;
     uint32_t rays, lamp_rays;
     double   accuracy;       /* standard error of factors between groups; of light, 0: not asked */
     Closure  closure;

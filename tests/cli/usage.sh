@@ -60,6 +60,10 @@ ok "unknown camera" fails 2 "no camera 'attic'" render "$cube" -o "$DIR/x.exr" -
 ok "print-config" exits 0 render --print-config --quality high --spp 7 --gather-rays 4
 ok "print-config expands" grep -qx 'rays 512' "$DIR/out"
 ok "print-config overrides" grep -qx 'spp 7' "$DIR/out"
+ok "high takes time for its tree" exits 0 solve --print-config --quality high
+ok "it says so" grep -qx 'tree high' "$DIR/out"
+ok "unless it shall not" exits 0 solve --print-config --quality final --tree medium
+ok "and says that" grep -qx 'tree medium' "$DIR/out"
 ok "a set of words" exits 0 render --print-config --repair all,-winding
 ok "a word less" grep -qx 'repair weld,duplicates,junctions,nonmanifold,cuts,covered' "$DIR/out"
 ok "a set's wrong word" exits 2 render --print-config --repair weld,glue
