@@ -71,6 +71,7 @@ typedef enum {
     OPTION_REPAIR,
     OPTION_WELD,
     OPTION_INSTANCES,
+    OPTION_TIME,
     OPTION_RAYS,
     OPTION_LAMP_RAYS,
     OPTION_ACCURACY,
@@ -112,6 +113,8 @@ typedef enum {
     OPTION_VIEW_HEIGHT,
     OPTION_APERTURE,
     OPTION_FOCUS,
+    OPTION_SHUTTER,
+    OPTION_TIME_SAMPLES,
     OPTION_DIFFUSE,
     OPTION_RENDERER,
     OPTION_DEPTH,
@@ -188,6 +191,9 @@ typedef struct Options {
     double      error;       /* of pixels, relative; 0: not given */
     uint64_t    max_memory;  /* bytes */
     double      time_limit;  /* seconds */
+    double      time;        /* of the scene */
+    double      shutter[2];  /* opens, closes; only when given */
+    uint32_t    time_samples; /* 0: not given */
     double      checkpoint;  /* seconds between two; only when given */
     double      accuracy;    /* of factors between groups, of light; 0: not given */
     double      relaxation;  /* of sor; 0: not given */

@@ -32,6 +32,13 @@ static bool together(const Options *options, Error *err)
         options->command != COMMAND_RENDER && options->set.count == 0 && options->changes == NULL)
         return error_set(err, ERROR_USAGE, "--light-groups mixes lamps that --set or --changes "
                          "dims: give one of them");
+    const bool shutter = options_given(options, OPTION_SHUTTER);
+    if (shutter && options_given(options, OPTION_TIME))
+        return error_set(err, ERROR_USAGE, "give --time or --shutter, not both");
+    if (shutter && (options_given(options, OPTION_CHECKPOINT) || options->resume != NULL))
+        return error_set(err, ERROR_USAGE, "--checkpoint and --resume do not go with --shutter");
+    if (shutter && options->factors != NULL)
+        return error_set(err, ERROR_USAGE, "--factors holds those of one moment, not of --shutter");
     if (options->logarithmic && options_given(options, OPTION_RANGE) && !(options->range[0] > 0))
         return error_set(err, ERROR_USAGE, "--log needs a --range above 0");
     if (options_given(options, OPTION_UP) && !(vec3_length(options->up) > 0))
@@ -82,6 +89,11 @@ static bool of_perspective(const Options *o)
     return !options_given(o, OPTION_VIEW_HEIGHT);
 }
 
+static bool of_shutter(const Options *o)
+{
+    return options_given(o, OPTION_SHUTTER);
+}
+
 static bool of_one_solver(const Options *o)
 {
     return !o->compare;
@@ -103,6 +115,7 @@ static bool belongings(const Options *options, Error *err)
         { OPTION_RANGE, COMMAND_COMPARE, of_difference, "belongs to the difference that -o draws" },
         { OPTION_TONE, COMMAND_DEVELOP, of_plain_colour, "does not go with --false-colour" },
         { OPTION_EXPOSURE, COMMAND_DEVELOP, of_plain_colour, "does not go with --false-colour" },
+        { OPTION_TIME_SAMPLES, COMMAND_RENDER, of_shutter, "belongs to --shutter" },
         { OPTION_FOV, COMMAND_RENDER, of_perspective, "and --view-height say the same twice" },
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)

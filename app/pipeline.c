@@ -104,10 +104,15 @@ bool pipeline_read(Pipeline *pipeline, Error *err)
                                            [KEEP_FLAT] = INSTANCES_FLATTEN,
                                            [KEEP_REFERENCES] = INSTANCES_KEEP };
     const SceneReadOptions so = { .monitor = &session->monitor,
-                                  .instances = kept[session->options.instances] };
+                                  .instances = kept[session->options.instances],
+                                  .time = pipeline->time != NULL ? *pipeline->time
+                                                                 : session->options.time };
     pipeline->scene = scene_read(session->options.scene, &so, err);
     if (pipeline->scene != NULL) {
         assert(scene_check(pipeline->scene));
+        if (options_given(&session->options, OPTION_TIME) && !pipeline->scene->timed)
+            monitor_warn(&session->monitor, "time-unused", session->options.scene,
+                         "nothing in the file depends on TIME");
         scale_lights(pipeline->scene, session->options.unit_m);
         if (options_given(&session->options, OPTION_UP))
             pipeline->scene->up = vec3_unit(session->options.up);
@@ -206,8 +211,8 @@ static Vec3 *collect_eyes(const Pipeline *pipeline, size_t *count, Error *err)
 {
     const Scene *scene = pipeline->scene;
     const double offset = ray_offset(pipeline->surfaces->largest_coordinate);
-    Vec3 *eyes = array_create(scene->camera_count + pipeline->point_count + 1, sizeof *eyes,
-                              "eyes", err);
+    Vec3 *eyes = array_create(scene->camera_count + pipeline->point_count + 1 +
+                                  pipeline->more_eyes, sizeof *eyes, "eyes", err);
     size_t n = 0;
     if (eyes == NULL)
         return NULL;
@@ -215,6 +220,8 @@ static Vec3 *collect_eyes(const Pipeline *pipeline, size_t *count, Error *err)
         eyes[n++] = scene->cameras[i].eye;
     if (pipeline->has_camera)
         eyes[n++] = pipeline->camera.eye;
+    for (size_t i = 0; i < pipeline->more_eyes; i++)
+        eyes[n++] = pipeline->more_eye[i];
     for (size_t i = 0; i < pipeline->point_count; i++)
         eyes[n++] = vec3_mad(pipeline->point[i], offset, pipeline->normal[i]);
     *count = n;

@@ -49,6 +49,7 @@ typedef struct {
 
 typedef struct Pipeline {
     Session     *session;
+    const double *time;        /* that the scene is read for; NULL: --time */
     Scene       *scene;
     Defects      defects;      /* found and repaired while connecting; for check alone */
     CutCount     cuts;
@@ -62,6 +63,8 @@ typedef struct Pipeline {
     uint32_t     view_count;
     Camera       camera;            /* of the picture under way; at first view[0] */
     bool         has_camera;
+    const Vec3  *more_eye;          /* [more_eyes]  of other moments that share the solution */
+    size_t       more_eyes;
     const Vec3  *point, *normal;    /* [point_count]  measuring points, the caller's */
     size_t       point_count;
     Patches     *patches;
@@ -96,6 +99,7 @@ typedef struct Pipeline {
     PathReport   path;              /* likewise, of --renderer path */
     int          width, height;     /* of the picture; 0: none was made */
     double       exposure;          /* EV that the picture was shown with */
+    uint32_t     moments, solutions; /* of --shutter, and how many were solved for; 0: none */
     PictureReport *picture;         /* [picture_count]  one for each view, in that order */
     uint32_t     picture_count;
     double       seconds[STAGE_COUNT];
@@ -120,6 +124,8 @@ bool pipeline_problem(Pipeline *pipeline, Error *err);
 /* Chooses the cameras: --camera, which may name several, --eye, the file's first, else one that
  * shows the room. Between pipeline_mesh and pipeline_patches, for what is seen takes part. */
 bool pipeline_camera(Pipeline *pipeline, Error *err);
+/* The same again, of the scene's cameras as they are now; whenever the surfaces are there. */
+bool pipeline_views(Pipeline *pipeline, Error *err);
 
 /* Fails with ERROR_MEMORY when `more` bytes on top of what is in use pass --max-memory. */
 bool pipeline_fits(const Pipeline *pipeline, uint64_t more, const char *what, Error *err);

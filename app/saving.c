@@ -110,7 +110,8 @@ static bool add_note(const Saving *s, Checkpoint *c, Error *err)
     c->size[PART_NOTE] = sizeof note + size;
     if (bytes != NULL) {
         memcpy(bytes, &note, sizeof note);
-        memcpy(bytes + sizeof note, groups, size);
+        if (size > 0)
+            memcpy(bytes + sizeof note, groups, size);
     }
     array_free(groups);
     return bytes != NULL;

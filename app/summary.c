@@ -326,6 +326,11 @@ static void put_render(Json *json, const Pipeline *pipeline)
     json_count(json, "rays", pipeline->render.rays);
     json_number(json, "seconds", pipeline->render.seconds);
     json_number(json, "exposure", pipeline->exposure);
+    if (pipeline->moments > 0) {
+        json_numbers(json, "shutter", pipeline->session->options.shutter, 2);
+        json_count(json, "time_samples", pipeline->moments);
+        json_count(json, "solutions", pipeline->solutions);
+    }
     if (pipeline->picture_count > 0)
         put_pictures(json, pipeline);
     json_close(json, '}');
@@ -559,6 +564,9 @@ void summary_print(const Pipeline *pipeline)
     else if (pipeline->path.samples > 0)
         session_say(session, "  paths    %.6g per pixel, standard error %.3g %% (rms of pixels)",
                     pipeline->path.samples, 100 * pipeline->path.error);
+    if (pipeline->moments > 0)
+        session_say(session, "  shutter  %u moments, %u different in more than cameras",
+                    pipeline->moments, pipeline->solutions);
     if (pipeline->picture_count > 1)
         print_pictures(pipeline);
     else if (pipeline->width > 0)

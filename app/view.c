@@ -121,9 +121,17 @@ static bool camera_options(const Options *options, Camera *camera, Error *err)
 
 bool pipeline_camera(Pipeline *pipeline, Error *err)
 {
+    assert(pipeline->patches == NULL && pipeline->view == NULL);
+    return pipeline_views(pipeline, err);
+}
+
+bool pipeline_views(Pipeline *pipeline, Error *err)
+{
     const Options *options = &pipeline->session->options;
     const Scene *scene = pipeline->scene;
-    assert(pipeline->bvh != NULL && pipeline->patches == NULL && pipeline->view == NULL);
+    assert(pipeline->bvh != NULL);
+    array_free(pipeline->view);
+    pipeline->view_count = 0;
     pipeline->view = array_create(scene->camera_count + 1, sizeof *pipeline->view, "cameras", err);
     bool found = pipeline->view != NULL;
     if (found && options->camera != NULL) {

@@ -51,6 +51,14 @@ static inline float *image_group(const Image *image, uint32_t k)
 /* Frees; NULL is allowed. Always returns NULL. */
 Image *image_destroy(Image *image);
 
+/* Adds a picture of the same size and layers, made by other random numbers: light, albedo and
+ * groups are summed, deviations like those of a sum; normal, depth and patch stay. */
+void image_add(Image *sum, const Image *image);
+/* All that image_add adds, times a share. */
+void image_scale(Image *image, double share);
+/* What the pixels' centres show, from another picture: normal, depth, patch. */
+void image_take_places(Image *image, const Image *from);
+
 /* What a picture file says of itself. Strings may be NULL. */
 typedef struct {
     double      eye[3], target[3], up[3], vertical_fov;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/array.h"
+#include "base/file.h"
 #include "scenes/msd.h"
 
 /* Faces of a scene: what 20 million take is some gigabytes, and no MSD file needs more but one
@@ -61,6 +62,8 @@ static Scene *reader_finish(MsdReader *r, bool opened, uint32_t source)
     if (!opened || !msd_file(r, source, IN_FILE) || !msd_placed_finish(r)) {
         assert(error_is_set(r->err));
         r->scene = scene_destroy(r->scene);
+    } else if (r->scene->timed && r->options != NULL) {
+        r->scene->hash = file_hash(&r->options->time, sizeof r->options->time, r->scene->hash);
     }
     reader_clear(r);
     assert(r->scene == NULL || scene_check(r->scene));

@@ -84,7 +84,8 @@ static bool factor_read(MsdReader *r, double *value)
     if (msd_is(r, '('))
         return msd_next(r) && msd_number(r, value) && msd_take(r, ')');
     if (msd_is_word(r, WORD_TIME)) {
-        *value = 0; /* a scene is read for one moment: the first */
+        *value = r->options != NULL ? r->options->time : 0;
+        r->scene->timed = true;
         return msd_next(r);
     }
     return is_function(r) ? function_read(r, value) : msd_expected(r, "a number");

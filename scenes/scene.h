@@ -61,7 +61,9 @@ typedef struct {
     Vec3       up;               /* of the file's format: y for OBJ, glTF, z for MSD without SCREEN,
                                     STL ...; from SCREEN's UP when there is one; unit */
     bool       has_screen;       /* the file names a view */
-    uint64_t   hash;             /* xxHash of the bytes of all files read */
+    bool       timed;            /* the file's text asks for TIME: other times, other scenes */
+    uint64_t   hash;             /* xxHash of the bytes of all files read, and of the time if that
+                                    matters */
 } Scene;
 
 /* What becomes of meshes that a scene places again and again. */
@@ -79,6 +81,7 @@ typedef struct {
     const Monitor *monitor;      /* warnings; may be NULL */
     SceneInstances instances;    /* of BREPOBJ in MSD */
     uint64_t  instances_most;    /* 0: INSTANCES_MOST */
+    double    time;              /* what TIME is in MSD */
 } SceneReadOptions;
 
 /* Reads by the file name's ending: .msd is the own language, all else goes through the importer in
@@ -115,6 +118,10 @@ uint64_t scene_triangles(const Scene *scene);
 
 /* Invariants of a Scene, polygons included. */
 bool scene_check(const Scene *scene);
+
+/* xxHash of all that light depends on, which is all but cameras: two moments of a scene with the
+ * same differ at most in these. */
+uint64_t scene_fingerprint(const Scene *scene);
 
 /* True when a material in use emits, or a light exists. */
 bool scene_has_light(const Scene *scene);

@@ -67,6 +67,51 @@ static void expressions_have_values(void **state)
     }
 }
 
+/* --- moments --------------------------------------------------------------------------------- */
+
+static Scene *scene_at(const char *text, double time)
+{
+    const SceneReadOptions options = { .time = time };
+    Error  err = { 0 };
+    Scene *scene = scene_parse_msd("t.msd", text, strlen(text), &options, &err);
+    assert_string_equal(err.text, "");
+    return scene;
+}
+
+/* What differs between two moments of a scene: an eye alone changes no light. */
+static void scenes_have_moments(void **state)
+{
+    static const struct {
+        const char *text;
+        bool        timed, moves, light;
+    } cases[] = {
+        { WHITE "SPHERE 1 (1, 0, 0) 1", false, false, false },
+        { WHITE "CAMERA c = ( (3 * TIME, 5, 5) (0, 0, 0) (0, 0, 1) 50 50 ); SPHERE 1 (1, 0, 0) 1",
+          true, false, false },
+        { WHITE "SPHERE 1 (2 * TIME, 0, 0) 1", true, true, true },
+        { WHITE "ROT_Z(90 * TIME) TRIANGLE 1 (0,0,0) (1,0,0) (0,1,0)", true, false, true },
+        { WHITE "ATT_POS_LIGHT (1, 1, 1) (0, 0, TIME) SPHERE 1 (1, 0, 0) 1", true, false, true },
+        { "SURFACE 1 0 ; (1,1,1) TIME / 2 ; (0,0,0) 0, 1 SPHERE 1 (1, 0, 0) 1", true, false, true },
+        { WHITE "BACKGROUND (TIME, 0, 0) SPHERE 1 (1, 0, 0) 1", true, false, true },
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        Scene *a = scene_at(cases[i].text, 0.25), *b = scene_at(cases[i].text, 0.5);
+        Scene *again = scene_at(cases[i].text, 0.25);
+        assert_int_equal(a->timed, cases[i].timed);
+        assert_true((a->hash != b->hash) == cases[i].timed);
+        assert_true((scene_fingerprint(a) != scene_fingerprint(b)) == cases[i].light);
+        assert_true(scene_fingerprint(a) == scene_fingerprint(again));
+        if (cases[i].moves) {
+            assert_true(a->polygons.shape[0].shape.to_world.t.x == 0.5);
+            assert_true(b->polygons.shape[0].shape.to_world.t.x == 1);
+        }
+        scene_destroy(a);
+        scene_destroy(b);
+        scene_destroy(again);
+    }
+}
+
 /* --- matrices -------------------------------------------------------------------------------- */
 
 typedef struct {
@@ -427,6 +472,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(expressions_have_values),
+        cmocka_unit_test(scenes_have_moments),
         cmocka_unit_test(matrices_apply_leftmost_first),
         cmocka_unit_test(blocks_apply_innermost_first),
         cmocka_unit_test(inner_names_hide_outer_ones),
