@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The importing library at work, in the child. The only file that includes assimp.
+/* The importing library at work, in the child: files, materials, the whole.
  *
  * No post-processing is asked for: it would drop, join and triangulate. What glTF says beside its
  * triangles is sent by scenes/import_prepare.h.
  */
+#include "scenes/import_assimp.h"
+
 #include <assert.h>
-#include <assimp/cfileio.h>
-#include <assimp/cimport.h>
-#include <assimp/material.h>
-#include <assimp/scene.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,27 +14,7 @@
 #include <strings.h>
 
 #include "base/array.h"
-#include "scenes/child_images.h"
-#include "scenes/import.h"
-#include "scenes/import_prepare.h"
 #include "scenes/import_quirks.h"
-
-static const double degrees_per_radian = 57.295779513082320877;
-
-typedef struct {
-    const char           *path;
-    PipeWriter           *out;
-    Error                *err;
-    ImportFiles           files;
-    Foreknown             known;
-    const struct aiScene *scene;
-    uint32_t             *material;      /* [mNumMaterials]  number in the pipe */
-    uint64_t              loose;         /* points and lines */
-    uint64_t              faces;         /* the rest */
-    ImagePlace           *place;         /* [mNumMaterials] */
-    ChildImages           images;
-    bool                 *shown;         /* [mNumMeshes]  in a node */
-} Import;
 
 /* --- files for assimp ------------------------------------------------------------------------- */
 
@@ -252,285 +230,6 @@ static bool materials_send(Import *import)
     return true;
 }
 
-/* --- parts ------------------------------------------------------------------------------------ */
-
-static Affine affine_get(const struct aiMatrix4x4 *m)
-{
-    return (Affine){ { (double)m->a1, (double)m->b1, (double)m->c1 },
-                     { (double)m->a2, (double)m->b2, (double)m->c2 },
-                     { (double)m->a3, (double)m->b3, (double)m->c3 },
-                     { (double)m->a4, (double)m->b4, (double)m->c4 } };
-}
-
-static bool corners_check(const Import *import, const struct aiMesh *mesh, const char *group)
-{
-    for (unsigned i = 0; i < mesh->mNumFaces; i++)
-        for (unsigned k = 0; k < mesh->mFaces[i].mNumIndices; k++)
-            if (mesh->mFaces[i].mIndices[k] >= mesh->mNumVertices)
-                return error_at(import->err, ERROR_INPUT, import->path, 0,
-                                "face %u of object \"%.80s\" names vertex %u of %u", i, group,
-                                mesh->mFaces[i].mIndices[k], mesh->mNumVertices);
-    return true;
-}
-
-/* assimp leaves out faces with an index out of range and says nothing. */
-static bool gltf_faces_check(const Import *import, const struct aiMesh *mesh, const char *group)
-{
-    size_t index, primitive = 0;
-    const Gltf *gltf = import->known.gltf;
-
-    if (sscanf(mesh->mName.data, "a%zu-%zu", &index, &primitive) < 1 ||
-        index >= gltf->mesh_count ||
-        primitive >= gltf->first_primitive[index + 1] - gltf->first_primitive[index])
-        return true;
-    const uint64_t wanted = gltf->faces[gltf->first_primitive[index] + primitive];
-    if (wanted > 0 && wanted != mesh->mNumFaces)
-        return error_at(import->err, ERROR_INPUT, import->path, 0,
-                        "object \"%.80s\" has indices out of range (%llu of %llu triangles are "
-                        "good)", group, (unsigned long long)mesh->mNumFaces,
-                        (unsigned long long)wanted);
-    return true;
-}
-
-static void faces_send(const Import *import, const struct aiMesh *mesh, bool mirrored)
-{
-    for (unsigned i = 0; i < mesh->mNumFaces; i++)
-        if (mesh->mFaces[i].mNumIndices >= 3)
-            pipe_put_u32(import->out, mesh->mFaces[i].mNumIndices);
-    for (unsigned i = 0; i < mesh->mNumFaces; i++) {
-        const struct aiFace *face = &mesh->mFaces[i];
-        for (unsigned k = 0; k < face->mNumIndices && face->mNumIndices >= 3; k++)
-            pipe_put_u32(import->out, face->mIndices[mirrored ? face->mNumIndices - 1 - k : k]);
-    }
-}
-
-/* Where the vertices are in the image of the mesh's material; NULL: it has none. */
-static const struct aiVector3D *places_of(const Import *import, const struct aiMesh *mesh)
-{
-    const unsigned m = mesh->mMaterialIndex;
-    const unsigned set = m < import->scene->mNumMaterials ? import->place[m].set : 0;
-    return set > 0 && set <= AI_MAX_NUMBER_OF_TEXTURECOORDS ? mesh->mTextureCoords[set - 1] : NULL;
-}
-
-static bool mesh_send(Import *import, const struct aiMesh *mesh, const Affine *world,
-                      const char *group)
-{
-    uint32_t faces = 0;
-
-    if (!corners_check(import, mesh, group) ||
-        (import->known.gltf != NULL && !gltf_faces_check(import, mesh, group)))
-        return false;
-    for (unsigned i = 0; i < mesh->mNumFaces; i++) {
-        const unsigned corners = mesh->mFaces[i].mNumIndices;
-        faces += corners >= 3;
-        import->loose += corners == 1 || corners == 2;
-    }
-    import->faces += faces;
-    if (faces == 0)
-        return true;
-    pipe_put_kind(import->out, RECORD_PART);
-    pipe_put_text(import->out, group);
-    pipe_put_u32(import->out, mesh->mMaterialIndex < import->scene->mNumMaterials
-                              ? import->material[mesh->mMaterialIndex] : PIPE_NO_MATERIAL);
-    pipe_put_u32(import->out, mesh->mNumVertices);
-    pipe_put_u32(import->out, faces);
-    const struct aiVector3D *places = places_of(import, mesh);
-    pipe_put_u32(import->out, places != NULL);
-    for (unsigned i = 0; i < mesh->mNumVertices; i++) {
-        const struct aiVector3D p = mesh->mVertices[i];
-        pipe_put_vec3(import->out,
-                      affine_point(world, vec3((double)p.x, (double)p.y, (double)p.z)));
-    }
-    for (unsigned i = 0; places != NULL && i < mesh->mNumVertices; i++)
-        child_place_send(import->out, &import->place[mesh->mMaterialIndex], (double)places[i].x,
-                         (double)places[i].y);
-    faces_send(import, mesh, affine_determinant(world) < 0);
-    return !import->out->broken;
-}
-
-/* --- nodes ------------------------------------------------------------------------------------ */
-
-/* Names in angle brackets are assimp's own. In 3DS a mesh is called by its number. */
-static const char *group_name(const Import *import, const struct aiNode *node,
-                              const struct aiMesh *mesh)
-{
-    size_t index;
-
-    if (sscanf(mesh->mName.data, "%zu", &index) == 1 && index < import->known.name_count)
-        return import->known.name[index];
-    if (node->mName.length > 0 && node->mName.data[0] != '<')
-        return node->mName.data;
-    return mesh->mName.length > 0 && mesh->mName.data[0] != '<' ? mesh->mName.data : "";
-}
-
-static bool node_send(Import *import, const struct aiNode *node, const Affine *parent)
-{
-    const Affine local = affine_get(&node->mTransformation);
-    Affine world = affine_then(&local, parent);
-    const char *name = NULL;
-    size_t index;
-
-    if (import->known.gltf != NULL && sscanf(node->mName.data, "n%zu", &index) == 1 &&
-        index < import->known.gltf->node_count) {
-        world = import->known.gltf->node[index].world;
-        name = import->known.gltf->node[index].name;
-    }
-    for (unsigned i = 0; i < node->mNumMeshes; i++) {
-        if (node->mMeshes[i] >= import->scene->mNumMeshes)
-            return error_at(import->err, ERROR_INPUT, import->path, 0, "a mesh is missing");
-        const struct aiMesh *mesh = import->scene->mMeshes[node->mMeshes[i]];
-        if (!mesh_send(import, mesh, &world, name != NULL ? name : group_name(import, node, mesh)))
-            return false;
-        import->shown[node->mMeshes[i]] = true;
-    }
-    for (unsigned i = 0; i < node->mNumChildren; i++)
-        if (!node_send(import, node->mChildren[i], &world))
-            return false;
-    return true;
-}
-
-/* A 3DS file may have key frames for some of its meshes: assimp forgets the others. */
-static bool forgotten_send(Import *import)
-{
-    const struct aiNode *root = import->scene->mRootNode;
-
-    if (root == NULL)
-        return true;
-    const Affine world = affine_get(&root->mTransformation);
-    for (unsigned i = 0; import->known.format == FORMAT_3DS && i < import->scene->mNumMeshes; i++) {
-        const struct aiMesh *mesh = import->scene->mMeshes[i];
-        if (!import->shown[i] && !mesh_send(import, mesh, &world, group_name(import, root, mesh)))
-            return false;
-    }
-    return true;
-}
-
-/* Place of the node of that name in the world. */
-static bool node_find(const struct aiNode *node, const char *name, const Affine *parent,
-                      Affine *world)
-{
-    const Affine local = affine_get(&node->mTransformation);
-    const Affine here = affine_then(&local, parent);
-
-    if (strcmp(node->mName.data, name) == 0) {
-        *world = here;
-        return true;
-    }
-    for (unsigned i = 0; i < node->mNumChildren; i++)
-        if (node_find(node->mChildren[i], name, &here, world))
-            return true;
-    return false;
-}
-
-/* --- lights and cameras of other formats ------------------------------------------------------ */
-
-/* Where what is called so stands. 3DS says it in the world's axes; what the key frames say is the
- * same once more. */
-static Affine place_find(const Import *import, const struct aiString *name)
-{
-    const struct aiNode *root = import->scene->mRootNode;
-    Affine place = affine_identity();
-    const Affine still = place;
-
-    if (root != NULL && import->known.format == FORMAT_3DS)
-        return affine_get(&root->mTransformation);
-    if (root != NULL)
-        (void)node_find(root, name->data, &still, &place);
-    return place;
-}
-
-static Vec3 vec3_get(const struct aiVector3D *v)
-{
-    return vec3((double)v->x, (double)v->y, (double)v->z);
-}
-
-/* The whole horizontal angle of a camera, radians. 3DS gives a focal length, which assimp takes for
- * degrees: the format's programs see 2400 degrees over it. */
-static double camera_width(const Import *import, const struct aiCamera *from)
-{
-    const double angle = (double)from->mHorizontalFOV;
-
-    return import->known.format == FORMAT_3DS
-           ? 2400 / (angle * degrees_per_radian) / degrees_per_radian : angle;
-}
-
-static void camera_send(Import *import, const struct aiCamera *from)
-{
-    const Affine world = place_find(import, &from->mName);
-    const double half = tan(camera_width(import, from) / 2);
-    const Vec3 ahead = vec3_get(&from->mLookAt);
-    Vec3 up = vec3_get(&from->mUp);
-    Camera camera = { .aspect = from->mAspect > 0 ? (double)from->mAspect : 0 };
-
-    if (import->known.format == FORMAT_3DS)
-        up = discreet_up(vec3_unit(ahead), up);
-    camera.eye = affine_point(&world, vec3_get(&from->mPosition));
-    const Vec3 look = affine_vector(&world, ahead);
-    camera.target = vec3_add(camera.eye, vec3_unit(look));
-    camera.up = vec3_unit(affine_vector(&world, up));
-    /* Without an aspect the view counts as square. */
-    camera.vertical_fov = 2 * degrees_per_radian
-                          * atan(half / (camera.aspect > 0 ? camera.aspect : 1));
-    snprintf(camera.name, sizeof camera.name, "%.63s", from->mName.data);
-    if (!(camera.vertical_fov > 0 && camera.vertical_fov < 180) || !isfinite(camera.aspect) ||
-        !vec3_finite(camera.eye) || !(vec3_length(vec3_cross(look, camera.up)) > 0)) {
-        pipe_put_warning(import->out, "camera-ignored", camera.name, "it does not look anywhere");
-        return;
-    }
-    pipe_put_camera(import->out, &camera);
-}
-
-/* How long a unit of the file is in the units of the scene. */
-static double root_scale(const Import *import)
-{
-    const struct aiNode *node = import->scene->mRootNode;
-    const Affine root = node != NULL ? affine_get(&node->mTransformation) : affine_identity();
-    return cbrt(fabs(affine_determinant(&root)));
-}
-
-/* What the light's colour is divided by at a distance of 1: its fall with the square of distance,
- * which files give in their own unit. FBX has no such number, but assimp makes one up. */
-static double light_fall(const Import *import, const struct aiLight *from)
-{
-    const double unit = root_scale(import);
-
-    if (import->known.format == FORMAT_FBX || !(from->mAttenuationQuadratic > 0) || !(unit > 0) ||
-        !isfinite(from->mAttenuationQuadratic))
-        return 1;
-    return (double)from->mAttenuationQuadratic / (unit * unit);
-}
-
-static void light_send(Import *import, const struct aiLight *from)
-{
-    const Affine world = place_find(import, &from->mName);
-    Light light = { .kind = LIGHT_POINT, .cos_inner = -1, .cos_outer = -1 };
-
-    snprintf(light.name, sizeof light.name, "%.63s", from->mName.data);
-    if (from->mType != aiLightSource_POINT && from->mType != aiLightSource_SPOT) {
-        pipe_put_warning(import->out, "light-ignored", light.name,
-                         "only point and spot lights can be used");
-        return;
-    }
-    light.position = affine_point(&world, vec3_get(&from->mPosition));
-    light.direction = vec3_unit(affine_vector(&world, vec3_get(&from->mDirection)));
-    light.intensity = rgb_scale(rgb((double)from->mColorDiffuse.r, (double)from->mColorDiffuse.g,
-                                    (double)from->mColorDiffuse.b), 1 / light_fall(import, from));
-    const Rgb i = light.intensity;
-    if (!vec3_finite(light.position) || !vec3_finite(light.direction) ||
-        !(i.r >= 0 && i.g >= 0 && i.b >= 0 && isfinite(i.r + i.g + i.b))) {
-        pipe_put_warning(import->out, "light-ignored", light.name,
-                         "its place or intensity is not finite or below 0");
-        return;
-    }
-    if (from->mType == aiLightSource_SPOT)
-        spot_cones(&light, import->known.format == FORMAT_3DS,
-                   import->known.format == FORMAT_COLLADA && !import->known.cones,
-                   (double)from->mAngleInnerCone, (double)from->mAngleOuterCone);
-    pipe_put_warning(import->out, "light-units", light.name,
-                     "this format gives lights no unit: the intensity is taken as candela");
-    pipe_put_light(import->out, &light);
-}
-
 /* --- the whole -------------------------------------------------------------------------------- */
 
 static double meta_number(const struct aiScene *scene, const char *key, double fallback)
@@ -582,12 +281,10 @@ static bool failure_tell(const Import *import)
 
 static bool scene_send(Import *import)
 {
-    const Affine still = affine_identity();
     const struct aiScene *scene = import->scene;
-    const float unit = (float)root_scale(import);
+    const float unit = (float)import_root_scale(import);
 
-    import->shown = array_create(scene->mNumMeshes, sizeof *import->shown, "meshes", import->err);
-    if (import->shown == NULL || !materials_send(import))
+    if (!materials_send(import))
         return false;
     if (import->known.format == FORMAT_FBX)
         fbx_settings_send(import);
@@ -595,11 +292,10 @@ static bool scene_send(Import *import)
         pipe_put_warning(import->out, "length-unit", import->path,
                          "lengths are turned into metres: this file's unit is %g m", (double)unit);
     for (unsigned i = 0; import->known.gltf == NULL && i < scene->mNumLights; i++)
-        light_send(import, scene->mLights[i]);
+        import_light_send(import, scene->mLights[i]);
     for (unsigned i = 0; import->known.gltf == NULL && i < scene->mNumCameras; i++)
-        camera_send(import, scene->mCameras[i]);
-    if ((scene->mRootNode != NULL && !node_send(import, scene->mRootNode, &still)) ||
-        !forgotten_send(import))
+        import_camera_send(import, scene->mCameras[i]);
+    if (!import_meshes_send(import))
         return false;
     if (import->faces < import->known.faces)
         pipe_put_warning(import->out, "file-cut", import->path,

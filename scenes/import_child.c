@@ -97,7 +97,7 @@ static void files_close(int pipe_end)
 static _Noreturn void child_main(const ImportChild *child, ImportWork work, const char *path,
                                  int pipe_end)
 {
-    PipeWriter out = { .fd = CHILD_PIPE };
+    PipeWriter out = { .fd = CHILD_PIPE, .wish = child->limits.wish };
     Error err = { 0 };
 
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);

@@ -14,6 +14,7 @@
 typedef struct {
     double   seconds;   /* > 0 */
     uint64_t memory;    /* bytes beyond what the parent has */
+    PipeWish wish;      /* handed on */
 } ChildLimits;
 
 typedef struct {

@@ -16,9 +16,17 @@ static const uint64_t default_memory = (uint64_t)8 << 30;
 /* Values taken from the pipe at a time: room grows with what really came. */
 #define CHUNK 4096
 
+/* A mesh that is placed, and the box around it. */
+typedef struct {
+    uint32_t prototype;
+    Vec3     lo, hi;
+} Mesh;
+
 typedef struct {
     ImportTarget *target;
     PipeReader    in;
+    Mesh         *mesh;          /* [mesh_count]  the child's number -> the scene's prototype */
+    size_t        mesh_count, mesh_capacity;
     uint32_t     *material;      /* [material_count]  the child's number -> the soup's */
     size_t        material_count, material_capacity;
     uint32_t     *texture;       /* [texture_count]  likewise, 1 + the scene's; 0: not wanted */
@@ -62,8 +70,9 @@ static bool material_take(Receiver *r, Error *err)
     return true;
 }
 
-/* Whether the target has room for images: a scene of its own, whose materials are kept. */
-static bool wants_images(const ImportTarget *target)
+/* Whether the target has room for images and for placed meshes: a scene of its own, whose materials
+ * are kept. */
+static bool owns_scene(const ImportTarget *target)
 {
     return target->scene != NULL && target->soup == &target->scene->polygons && !target->replace;
 }
@@ -80,7 +89,7 @@ static bool image_texture_take(Receiver *r, Error *err)
         texture_clear(&texture);
         return false;
     }
-    if (!wants_images(r->target)) {
+    if (!owns_scene(r->target)) {
         texture_clear(&texture);
     } else if (textures_add(&r->target->scene->textures, &texture, &index, err)) {
         index++;
@@ -186,10 +195,20 @@ static bool face_take(Receiver *r, uint32_t size, uint32_t base, uint32_t vertic
             return false;
         memcpy(r->corner_uv[i], r->uv[corner], sizeof r->uv[corner]);
     }
-    if (r->mapped && wants_images(r->target))
+    if (r->mapped && owns_scene(r->target))
         return import_add_mapped(r->target, r->corner, (const double (*)[2])r->corner_uv, size,
                                  material, group, err);
     return import_add_face(r->target, r->corner, size, material, group, err);
+}
+
+static bool given_material(Receiver *r, uint32_t given, uint32_t *material, Error *err)
+{
+    if (given == PIPE_NO_MATERIAL)
+        return import_plain_material(r->target, material, err);
+    if (given >= r->material_count)
+        return pipe_nonsense(&r->in);
+    *material = r->material[given];
+    return true;
 }
 
 static bool part_take(Receiver *r, Error *err)
@@ -205,15 +224,7 @@ static bool part_take(Receiver *r, Error *err)
 
     if (r->in.state != PIPE_GOOD)
         return false;
-    if (given != PIPE_NO_MATERIAL && given >= r->material_count)
-        return pipe_nonsense(&r->in);
-    if (given == PIPE_NO_MATERIAL) {
-        if (!import_plain_material(r->target, &material, err))
-            return false;
-    } else {
-        material = r->material[given];
-    }
-    if (!import_add_group(r->target, name, &group, err) ||
+    if (!given_material(r, given, &material, err) || !import_add_group(r->target, name, &group, err) ||
         !vertices_take(r, name, vertices, &base, err) ||
         (mapped != 0 && !uv_take(r, vertices, err)) || !sizes_take(r, faces, err))
         return false;
@@ -222,6 +233,88 @@ static bool part_take(Receiver *r, Error *err)
         if (!face_take(r, r->size[i], base, vertices, material, group, err))
             return false;
     return true;
+}
+
+/* Into a soup of its own: its material and group are of no meaning. */
+static bool mesh_faces_take(Receiver *r, Error *err)
+{
+    const uint32_t vertices = pipe_get_u32(&r->in), faces = pipe_get_u32(&r->in);
+    const Material grey = material_default();
+    uint32_t base = 0, group, material;
+
+    if (r->in.state != PIPE_GOOD ||
+        !polygons_add_material(r->target->soup, &grey, &material, err) ||
+        !import_add_group(r->target, "", &group, err) ||
+        !vertices_take(r, "", vertices, &base, err) || !sizes_take(r, faces, err))
+        return false;
+    r->mapped = false;
+    for (uint32_t i = 0; i < faces; i++)
+        if (!face_take(r, r->size[i], base, vertices, material, group, err))
+            return false;
+    return true;
+}
+
+static bool mesh_take(Receiver *r, Error *err)
+{
+    Polygons soup = { 0 };
+    Mesh mesh = { 0 };
+    ImportTarget own = { .path = r->target->path, .options = r->target->options, .soup = &soup,
+                         .map = affine_identity(), .replace = true, .stem = "mesh" };
+    ImportTarget *target = r->target;
+
+    if (!owns_scene(target))
+        return pipe_nonsense(&r->in);
+    r->target = &own;
+    const bool good = mesh_faces_take(r, err);
+    r->target = target;
+    if (good && !polygons_bounds(&soup, &mesh.lo, &mesh.hi))
+        mesh.lo = mesh.hi = vec3(0, 0, 0);
+    if (!good || !array_reserve((void **)&r->mesh, &r->mesh_capacity, r->mesh_count + 1,
+                                sizeof *r->mesh, "placed meshes", err)) {
+        polygons_clear(&soup);
+        return false;
+    }
+    if (!scene_add_prototype(target->scene, &soup, &mesh.prototype, err))
+        return false;
+    r->mesh[r->mesh_count++] = mesh;
+    return true;
+}
+
+/* Whether the placed mesh has places that are numbers. */
+static bool mesh_reachable(const Mesh *mesh, const Affine *map)
+{
+    for (int k = 0; k < 8; k++) {
+        const Vec3 corner = vec3(k & 1 ? mesh->hi.x : mesh->lo.x, k & 2 ? mesh->hi.y : mesh->lo.y,
+                                 k & 4 ? mesh->hi.z : mesh->lo.z);
+        if (!vec3_finite(affine_point(map, corner)))
+            return false;
+    }
+    return true;
+}
+
+static bool place_take(Receiver *r, Error *err)
+{
+    char name[256];
+    Placement place = { 0 };
+    Affine back;
+
+    pipe_get_text(&r->in, name, sizeof name);
+    const uint32_t number = pipe_get_u32(&r->in), given = pipe_get_u32(&r->in);
+    place.to_world.x = pipe_get_vec3(&r->in);
+    place.to_world.y = pipe_get_vec3(&r->in);
+    place.to_world.z = pipe_get_vec3(&r->in);
+    place.to_world.t = pipe_get_vec3(&r->in);
+    if (r->in.state != PIPE_GOOD)
+        return false;
+    if (number >= r->mesh_count || !affine_invert(&place.to_world, &back))
+        return pipe_nonsense(&r->in);
+    if (!mesh_reachable(&r->mesh[number], &place.to_world))
+        return error_at(err, ERROR_INPUT, r->target->path, 0,
+                        "object \"%.80s\" has a vertex that is not finite", name);
+    place.prototype = r->mesh[number].prototype;
+    r->target->faces++;
+    return given_material(r, given, &place.material, err) &&
+           scene_add_placement(r->target->scene, &place, err);
 }
 
 static bool light_take(Receiver *r, Error *err)
@@ -317,6 +410,8 @@ static bool record_take(Receiver *r, bool *complete, Error *err)
     case RECORD_TEXTURE: return image_texture_take(r, err);
     case RECORD_IMAGE: return image_take(r);
     case RECORD_PART: return part_take(r, err);
+    case RECORD_MESH: return mesh_take(r, err);
+    case RECORD_PLACE: return place_take(r, err);
     case RECORD_LIGHT: return light_take(r, err);
     case RECORD_CAMERA: return camera_take(r, err);
     case RECORD_UP: return up_take(r);
@@ -346,13 +441,22 @@ static void state_tell(const Receiver *r, double seconds, Error *err)
                  "the file is damaged or uses something it cannot read");
 }
 
+/* A mesh for another's scene is faces alone. */
+static PipeWish wish_of(const ImportTarget *target)
+{
+    const SceneReadOptions *o = target->options;
+    return (PipeWish){ .instances = owns_scene(target) ? o->instances : INSTANCES_FLATTEN,
+                       .most = o->instances_most > 0 ? o->instances_most : INSTANCES_MOST };
+}
+
 bool import_from_child(ImportTarget *target, ImportWork work, Error *err)
 {
     assert(target != NULL && work != NULL && err != NULL);
     const SceneReadOptions *options = target->options;
     const ChildLimits limits = {
         .seconds = options->import_seconds > 0 ? options->import_seconds : default_seconds,
-        .memory = options->import_memory > 0 ? options->import_memory : default_memory };
+        .memory = options->import_memory > 0 ? options->import_memory : default_memory,
+        .wish = wish_of(target) };
     Receiver r = { .target = target };
     ImportChild child;
     bool complete = false;
@@ -368,6 +472,7 @@ bool import_from_child(ImportTarget *target, ImportWork work, Error *err)
     child_finish(&child, target->path, err);
     if (!complete)
         error_at(err, ERROR_INPUT, target->path, 0, "the importer ended before it was done");
+    array_free(r.mesh);
     array_free(r.material);
     array_free(r.size);
     array_free(r.corner);

@@ -24,6 +24,8 @@ typedef enum {
     RECORD_MATERIAL = 'M', /* PipeMaterial fields */
     RECORD_IMAGE = 'I',    /* material, number of the texture, wrap, whether it is cut out */
     RECORD_PART = 'P',     /* group name, material, vertices, faces, whether with (u, v) */
+    RECORD_MESH = 'B',     /* vertices, faces, in its own space: to be placed */
+    RECORD_PLACE = 'A',    /* group name, number of the mesh, material, map */
     RECORD_LIGHT = 'L',
     RECORD_CAMERA = 'C',
     RECORD_UP = 'U',       /* the file's own up */
@@ -36,11 +38,20 @@ typedef enum {
 
 /* Material of a part without one. */
 #define PIPE_NO_MATERIAL UINT32_MAX
+/* Number of a mesh that was not sent. */
+#define PIPE_NO_MESH UINT32_MAX
 
 /* --- writing: the child ----------------------------------------------------------------------- */
 
+/* What the parent wants of meshes that stand in several places. */
+typedef struct {
+    SceneInstances instances;
+    uint64_t       most; /* faces that come again, with INSTANCES_AUTO */
+} PipeWish;
+
 typedef struct {
     int     fd;
+    PipeWish wish;
     bool    broken;      /* the parent is gone: writing does nothing any more */
     size_t  used;
     uint8_t buffer[1 << 16];

@@ -79,7 +79,8 @@ typedef struct {
     double    import_seconds;    /* limit for a foreign file; 0: 120 */
     uint64_t  import_memory;     /* bytes the importing child may use; 0: 8 GiB */
     const Monitor *monitor;      /* warnings; may be NULL */
-    SceneInstances instances;    /* of BREPOBJ in MSD */
+    SceneInstances instances;    /* of BREPOBJ in MSD, of meshes that several nodes of glTF,
+                                    COLLADA and the like show */
     uint64_t  instances_most;    /* 0: INSTANCES_MOST */
     double    time;              /* what TIME is in MSD */
 } SceneReadOptions;

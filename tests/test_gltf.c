@@ -327,6 +327,79 @@ static void deep_trees_are_walked(void **state)
     scene_destroy(scene);
 }
 
+/* --- by reference ---------------------------------------------------------------------------- */
+
+/* A mesh of two triangles in three places: by itself, twice as large, and mirrored beneath a parent
+ * that moves; another of one triangle alone. */
+#define SHARED \
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1," \
+    "\"material\":1}]},{\"primitives\":[{\"attributes\":{\"POSITION\":2}}]}]," \
+    "\"materials\":[{\"name\":\"a\"},{\"name\":\"b\"}]," \
+    "\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"scale\":[2,2,2],\"name\":\"large\"}," \
+    "{\"translation\":[5,6,7],\"children\":[3]},{\"mesh\":0,\"scale\":[-1,1,1]}"
+
+static Scene *shared_scene(Bench *bench, const char *rest, SceneInstances instances, uint64_t most)
+{
+    const Monitor monitor = { .user = bench, .warn = bench_warn };
+    const SceneReadOptions options = { .monitor = &monitor, .instances = instances,
+                                       .instances_most = most };
+    Error err = { 0 };
+    gltf_write(bench, rest);
+    Scene *scene = scene_read(bench_path(bench, "t.gltf"), &options, &err);
+    if (scene == NULL)
+        fail_msg("%s", err.text);
+    assert_true(scene_check(scene));
+    return scene;
+}
+
+static void shared_meshes_are_placed(void **state)
+{
+    Bench *bench = *state;
+    static const char with_another[] = SHARED ",{\"mesh\":1}]";
+    /* Two faces come again twice: four. */
+    Scene *flat = shared_scene(bench, with_another, INSTANCES_AUTO, 4);
+    assert_int_equal(flat->placement_count, 0);
+    assert_int_equal(flat->polygons.polygon_count, 7);
+    for (int i = 0; i < 2; i++) {
+        Scene *kept = shared_scene(bench, with_another,
+                                   i == 0 ? INSTANCES_AUTO : INSTANCES_KEEP, 3);
+        assert_int_equal(kept->prototype_count, 1);
+        assert_int_equal(kept->placement_count, 3);
+        assert_int_equal(kept->polygons.polygon_count, 1);
+        assert_int_equal(scene_triangles(kept), 7);
+        for (size_t k = 0; k < 3; k++) {
+            const Placement *place = &kept->placements[k];
+            const Polygons  *mesh = &kept->prototypes[place->prototype];
+            assert_string_equal(kept->polygons.materials[place->material].name, "b");
+            assert_int_equal(mesh->polygon_count, 2);
+            const Vec3 middle = vec3_lerp(mesh->position[1], mesh->position[2], 0.5);
+            const Vec3 want = k == 0 ? vec3(0.5, 0.5, 0)
+                              : k == 1 ? vec3(1, 1, 0) : vec3(4.5, 6.5, 7);
+            const Vec3 got = affine_point(&place->to_world, middle);
+            assert_vec3(got, want.x, want.y, want.z, 0, "middle of the square");
+        }
+        scene_destroy(kept);
+    }
+    scene_destroy(flat);
+    assert_int_equal(array_live(), 0);
+}
+
+/* What looks at the scene's own faces finds some; what is pressed flat is no copy. */
+static void some_faces_stay(void **state)
+{
+    Bench *bench = *state;
+    Scene *scene = shared_scene(bench, SHARED "]", INSTANCES_KEEP, 0);
+    assert_int_equal(scene->polygons.polygon_count, 2);
+    assert_int_equal(scene->placement_count, 2);
+    assert_int_equal(scene_triangles(scene), 6);
+    scene_destroy(scene);
+    scene = shared_scene(bench, SHARED ",{\"mesh\":1},{\"mesh\":0,\"scale\":[1,1,0]}]",
+                         INSTANCES_KEEP, 0);
+    assert_int_equal(scene->polygons.polygon_count, 3);
+    assert_int_equal(scene->placement_count, 3);
+    scene_destroy(scene);
+}
+
 static void every_allocation_may_fail(void **state)
 {
     (void)state;
@@ -361,6 +434,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(cameras_have_a_vertical_angle, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(faults_are_named, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(deep_trees_are_walked, bench_open, bench_close),
+        cmocka_unit_test_setup_teardown(shared_meshes_are_placed, bench_open, bench_close),
+        cmocka_unit_test_setup_teardown(some_faces_stay, bench_open, bench_close),
         cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
