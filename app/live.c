@@ -197,18 +197,22 @@ static void clear_all(Live *live)
     live->report = (Report){ .done = -1, .unshot = -1, .residual = -1, .left = -1 };
 }
 
-/* After all is solved: follows the knobs until it is to end. */
+/* After all is solved: follows the knobs until it is to end. The stochastic solver has no links to
+ * relight by. */
 static void stay(Live *live)
 {
     Relighting relighting;
-    bool good = relighting_begin(&relighting, live, &live->err);
+    const bool links = !live->pipeline->session->settings.stochastic;
+    bool good = !links || relighting_begin(&relighting, live, &live->err);
     while (good && !live_must_end(live)) {
         bool done = false;
-        good = relighting_follow(&relighting, live, &done, &live->err);
+        if (links)
+            good = relighting_follow(&relighting, live, &done, &live->err);
         if (good && !live_picture(live) && !done)
             rest();
     }
-    relighting_end(&relighting);
+    if (links)
+        relighting_end(&relighting);
     if (live->err.code == ERROR_STOPPED && atomic_load(&live->control->restart))
         live->err = (Error){ 0 };
 }

@@ -238,7 +238,8 @@ static bool forgotten_send(Import *import)
     const Affine world = affine_get(&root->mTransformation);
     for (unsigned i = 0; import->known.format == FORMAT_3DS && i < import->scene->mNumMeshes; i++) {
         const struct aiMesh *mesh = import->scene->mMeshes[i];
-        if (!import->use[i].shown && !mesh_send(import, mesh, &world, group_name(import, root, mesh)))
+        if (!import->use[i].shown &&
+            !mesh_send(import, mesh, &world, group_name(import, root, mesh)))
             return false;
     }
     return true;

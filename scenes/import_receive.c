@@ -224,7 +224,8 @@ static bool part_take(Receiver *r, Error *err)
 
     if (r->in.state != PIPE_GOOD)
         return false;
-    if (!given_material(r, given, &material, err) || !import_add_group(r->target, name, &group, err) ||
+    if (!given_material(r, given, &material, err) ||
+        !import_add_group(r->target, name, &group, err) ||
         !vertices_take(r, name, vertices, &base, err) ||
         (mapped != 0 && !uv_take(r, vertices, err)) || !sizes_take(r, faces, err))
         return false;

@@ -218,9 +218,8 @@ bool gui_slider(const char *name, double *value, double low, double high, const 
 bool gui_colour(const char *name, double rgb[3])
 {
     float c[3] = { (float)rgb[0], (float)rgb[1], (float)rgb[2] };
-    const bool changed = ImGui::ColorEdit3(name, c, ImGuiColorEditFlags_NoInputs |
-                                                    ImGuiColorEditFlags_NoLabel |
-                                                    ImGuiColorEditFlags_PickerHueWheel);
+    leave_room_for_name();
+    const bool changed = ImGui::ColorEdit3(name, c, ImGuiColorEditFlags_Float);
     for (int k = 0; changed && k < 3; k++)
         rgb[k] = (double)c[k];
     return changed;

@@ -145,7 +145,6 @@ static void act_on_solver(Viewer *viewer, Action action)
     case ACTION_RELOAD:
         viewer_say(viewer, action == ACTION_RELOAD ? "reading again" : "from the beginning");
         gathered_drop(viewer);
-        knobs_reset(&control->knobs);
         atomic_store(&control->paused, false);
         atomic_store(&control->restart, true);
         break;

@@ -46,14 +46,12 @@ typedef struct Viewer {
     unsigned    picture_seen;   /* changes of the easel that the card holds */
     unsigned    picture_knobs;  /* version of the knobs when it was asked for */
     Report      report;
-    bool        settled;       /* what is shown is solved for the knobs as they stand */
     unsigned    sayings;       /* of the solver's that were heard */
     char        notice[256];
     double      notice_until;
     double      last_frame, frame_seconds; /* the latter a running mean */
     uint32_t    frame;
     char        screenshot[4096]; /* to be made of this frame; "": none */
-    bool        by_key;           /* and it is to be told */
 } Viewer;
 
 /* --- input.c ---------------------------------------------------------------------------------- */
@@ -74,7 +72,5 @@ double pick_exposure(const Viewer *viewer);
 
 /* --- panels.c --------------------------------------------------------------------------------- */
 void panels_draw(Viewer *viewer);
-/* panels_change.c: lamps and paint, at the right; places in pixels. */
-void panels_change(Viewer *viewer, double width, double gap);
 
 #endif

@@ -12,13 +12,10 @@
 #include "viewer/bindings.h"
 
 enum { NUMBERS = 4, WORD = 1024, LINE = 2048, DRAG_FRAMES = 8 };
-/* What is said follows what was done within a second or so of frames; no line stays that long. */
-static const double SAID_FRAMES = 1000;
 
 typedef enum {
     DO_KEY, DO_HOLD, DO_MOVE, DO_CLICK, DO_DOUBLE, DO_DRAG, DO_WHEEL, DO_RESIZE, DO_WAIT_FRAMES,
-    DO_WAIT_STEP, DO_WAIT_PICTURE, DO_WAIT_SETTLED,
-    DO_WAIT_SAID, DO_SCREENSHOT
+    DO_WAIT_STEP, DO_WAIT_PICTURE, DO_SCREENSHOT
 } What;
 
 typedef struct {
@@ -58,22 +55,8 @@ static int index_of(const char *word, const char *const *names, int count)
     return -1;
 }
 
-/* The rest of the line, for "said". */
-static bool take_text(Step *step, char **rest, Error *err)
-{
-    char *begin = *rest + strspn(*rest, " \t");
-    size_t length = strlen(begin);
-    while (length > 0 && (begin[length - 1] == ' ' || begin[length - 1] == '\t'))
-        length--;
-    begin[length] = '\0';
-    *rest = begin + length;
-    step->what = DO_WAIT_SAID;
-    step->text = length > 0 ? array_string(begin, err) : NULL;
-    return step->text != NULL;
-}
-
-/* "frames N", "picture", "settled" and "said TEXT" make other commands of "wait". */
-static bool take_wait(Step *step, const char *word, char **rest, Error *err)
+/* "frames N" and "picture" make other commands of "wait". */
+static bool take_wait(Step *step, const char *word, char **rest)
 {
     static const char *const steps[] = { "reading", "lit", "shot", "linked", "solved" };
     if (strcmp(word, "frames") == 0) {
@@ -84,10 +67,8 @@ static bool take_wait(Step *step, const char *word, char **rest, Error *err)
         *rest = end;
         return found;
     }
-    if (strcmp(word, "said") == 0)
-        return take_text(step, rest, err);
-    if (strcmp(word, "picture") == 0 || strcmp(word, "settled") == 0) {
-        step->what = word[0] == 'p' ? DO_WAIT_PICTURE : DO_WAIT_SETTLED;
+    if (strcmp(word, "picture") == 0) {
+        step->what = DO_WAIT_PICTURE;
         return true;
     }
     step->code = index_of(word, steps, (int)(sizeof steps / sizeof *steps));
@@ -110,7 +91,7 @@ static bool take_word(Step *step, char kind, int *numbers, char **rest, Error *e
         step->code = index_of(word + (step->mods != 0 ? 6 : 0), buttons, BUTTON_COUNT);
         return step->code >= 0;
     case 'S':
-        return take_wait(step, word, rest, err);
+        return take_wait(step, word, rest);
     case 'F':
         step->text = array_string(word, err);
         return step->text != NULL;
@@ -247,10 +228,6 @@ static bool carry_out(const Step *step, double frame, const ScriptState *state, 
         return frame >= step->number[0];
     case DO_WAIT_STEP:
         return (int)state->step >= step->code;
-    case DO_WAIT_SAID:
-        return strstr(state->notice, step->text) != NULL;
-    case DO_WAIT_SETTLED:
-        return state->settled;
     case DO_WAIT_PICTURE:
         return state->picture == EASEL_DONE;
     case DO_SCREENSHOT:
@@ -259,10 +236,8 @@ static bool carry_out(const Step *step, double frame, const ScriptState *state, 
     return true;
 }
 
-static bool never_comes(const Step *step, double frame, const ScriptState *state)
+static bool never_comes(const Step *step, const ScriptState *state)
 {
-    if (step->what == DO_WAIT_SAID)
-        return frame > SAID_FRAMES;
     if (step->what == DO_WAIT_PICTURE)
         return state->picture == EASEL_EMPTY || state->picture == EASEL_FAILED;
     return step->what == DO_WAIT_STEP && state->finished && (int)state->step < step->code;
@@ -275,7 +250,7 @@ bool script_advance(Script *script, const ScriptState *state, Window *window,
     *screenshot = NULL;
     while (script->at < script->count) {
         const Step *step = &script->step[script->at];
-        if (never_comes(step, script->frame, state))
+        if (never_comes(step, state))
             return error_at(err, ERROR_FAILED, script->path, step->line,
                             "what it waits for does not come");
         if (step->what == DO_SCREENSHOT && script->frame == 0)

@@ -11,8 +11,6 @@
  *   resize W H
  *   wait frames N | wait lit | wait shot | wait linked | wait solved
  *   wait picture             until the one that R asked for is finished
- *   wait settled             until light has followed all that was changed
- *   wait said TEXT           until the window says a line with that in it
  *   screenshot FILE          PNG of the next frame
  */
 #ifndef VIEWER_SCRIPT_H
@@ -32,9 +30,7 @@ Script *script_destroy(Script *script);
 typedef struct {
     ShownStep step;         /* of what is shown */
     bool      finished;     /* the solver has ended: nothing more is to come */
-    bool      settled;      /* light is solved for as lamps and paint are now */
     EaselState picture;
-    const char *notice;     /* the line that is shown last; "": none */
 } ScriptState;
 
 /* Does what is due before this frame. *screenshot: the name of a PNG to make of it, or NULL.

@@ -140,8 +140,6 @@ static bool run_script(Viewer *viewer, Error *err)
         .step = viewer->shown != NULL ? viewer->shown->step : STEP_READING,
         .finished = atomic_load(&viewer->control->finished),
         .picture = easel_state(&viewer->control->easel, NULL, NULL),
-        .notice = viewer->notice,
-        .settled = viewer->settled,
     };
     if (viewer->script == NULL)
         return true;
@@ -164,8 +162,6 @@ static bool one_frame(Viewer *viewer, Error *err)
 {
     const ViewerOptions *options = viewer->options;
     window_wait(viewer->window, patience(viewer));
-    const Knobs *knobs = &viewer->control->knobs;
-    viewer->settled = atomic_load(&knobs->settled) == atomic_load(&knobs->version);
     if (!take_new(viewer, err) || !run_script(viewer, err))
         return false;
     handle_events(viewer);
@@ -181,13 +177,12 @@ static bool one_frame(Viewer *viewer, Error *err)
         return true;
     draw_frame(viewer);
     if (viewer->screenshot[0] != '\0')
-        files_save_frame(viewer, viewer->screenshot, viewer->by_key);
-    viewer->by_key = false;
+        files_save_frame(viewer, viewer->screenshot);
     viewer->screenshot[0] = '\0';
     if (options->frames > 0 && viewer->frame >= options->frames)
         viewer->close = true;
     if (viewer->close && options->screenshot != NULL)
-        files_save_frame(viewer, options->screenshot, false);
+        files_save_frame(viewer, options->screenshot);
     window_show(viewer->window);
     return true;
 }
