@@ -25,8 +25,9 @@ static bool take_picture(Pipeline *pipeline, PictureMaker *maker, PictureReport 
     *stopped = err->code == ERROR_STOPPED;
     if (*stopped) {
         *err = (Error){ 0 };
-        monitor_warn(&session->monitor, "stopped", p->exr, "%s: the picture is not whole",
-                     session_stop_reason());
+        monitor_warn(&session->monitor, "stopped", p->exr, "%s: the picture is not finished, "
+                     "%.3g %% of it is rough", session_stop_reason(),
+                     100 * pipeline->render.rough);
     }
     const bool written = picture_files_write(pipeline, image, p, err);
     image_destroy(image);

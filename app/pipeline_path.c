@@ -29,6 +29,7 @@ static Image *whitted(Pipeline *pipeline, Error *err)
     session->settings.spp = wo.samples > 0 ? wo.samples : 1;
     pipeline->render.rays = report.rays;
     pipeline->render.seconds = report.seconds;
+    pipeline->render.rough = report.rough;
     pipeline_note(pipeline, STAGE_GATHER, begin);
     return image;
 }
@@ -66,6 +67,7 @@ Image *pipeline_path(Pipeline *pipeline, const RoomCopies *copies, Error *err)
                                &session->monitor, err);
     pipeline->render.rays = pipeline->path.rays;
     pipeline->render.seconds = pipeline->path.seconds;
+    pipeline->render.rough = pipeline->path.rough;
     const double reached = isnan(pipeline->path.error) ? INFINITY : pipeline->path.error;
     if (settings->accuracy > 0) /* of the pictures, not of patches */
         pipeline->accuracy = (LightAccuracy){ .asked = settings->accuracy,

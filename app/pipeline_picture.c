@@ -59,7 +59,7 @@ static RenderOptions render_options(const PictureMaker *maker, const Pipeline *p
                             .crop = { (int)crop[0], (int)crop[1], (int)crop[2], (int)crop[3] },
                             .diffuse_only = session->options.diffuse,
                             .background = pipeline->scene->background,
-                            .seed = settings->seed,
+                            .seed = settings->seed, .whole = true,
                             .threads = settings->threads,
                             .kept = saving_tiles(pipeline->saving),
                             .records = maker->records,

@@ -58,6 +58,8 @@ typedef struct {
     struct Records *records; /* indirect light kept from picture to picture (render/records.h),
                                 filled for this view first; NULL: rays for every sample */
     uint32_t record_rays;    /* hemisphere rays of a record; 0: 1024 */
+    bool     whole;          /* asked to stop, makes what is missing with a sample for each pixel or
+                                a few of them, in about a second, before it returns */
     double   error;          /* > 0: samples go on until the standard error of pixels is about this
                                 share of the picture's mean luminance, up to `samples` each */
     /* Called with each finished tile, from any thread: pixels from left, top to before right,
@@ -70,6 +72,7 @@ typedef struct {
     uint64_t rays;
     double   seconds;
     double   samples; /* camera rays per pixel, on the mean */
+    double   rough;   /* share of the pixels that options.whole has made so */
     double   error;   /* standard error of pixels that was reached, root mean square, relative to
                          the mean luminance or a brighter pixel's own; 0: not known */
 } RenderReport;

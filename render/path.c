@@ -12,6 +12,7 @@
 #include "radiosity/places.h"
 #include "render/normals.h"
 #include "render/path_internal.h"
+#include "render/rough.h"
 #include "render/specular.h"
 
 enum { TILE = 8, BATCH_MOST = PATH_WAVE / PATH_PIXELS, SAMPLES_DEFAULT = 64 };
@@ -42,6 +43,7 @@ typedef struct {
     FilterTable filter;
     uint32_t    tiles_x, tiles;
     uint32_t    batch, begin, count; /* of samples: which, its first, how many */
+    int         step_rough; /* edge of blocks that share a path when stopped early */
     double      done;      /* share of the work before this batch, */
     double      step;      /* and in it */
     const Monitor *monitor;
@@ -89,7 +91,7 @@ static void store_centre(const Picture *picture, int x, int y)
     image->depth[at] = (float)vec3_length(vec3_sub(where.point, vec3(ray.ox, ray.oy, ray.oz)));
 }
 
-/* Paths of one pixel into the wave. */
+/* Paths of one pixel, picture->count of them, into the wave. */
 static void add_paths(const Picture *picture, PathWave *wave, int x, int y, uint32_t pixel)
 {
     const uint32_t seed = sampling_seed((uint32_t)(x + picture->image->left),
@@ -151,6 +153,65 @@ static void render_tiles(void *context, uint32_t begin, uint32_t end, unsigned t
     const Picture *picture = context;
     for (uint32_t tile = begin; tile < end; tile++)
         render_tile(picture, picture->wave[thread], tile, &picture->failed[thread]);
+}
+
+/* --- stopped early --------------------------------------------------------------------------- */
+
+/* Paths that are made for pixels without any. */
+enum { ROUGH_PATHS = 1 << 17 };
+
+/* One path for each block of a tile that has none. */
+static void fill_tile(const Picture *picture, PathWave *wave, uint32_t tile, Error *err)
+{
+    const int x0 = (int)(tile % picture->tiles_x) * TILE;
+    const int y0 = (int)(tile / picture->tiles_x) * TILE;
+    const int width = picture->image->width, height = picture->image->height;
+    const int step = picture->step_rough;
+    const size_t row = (size_t)width;
+    PathSum   sum[PATH_PIXELS] = { 0 };
+    if (picture->pixel[(size_t)y0 * row + (size_t)x0].samples > 0)
+        return; /* tiles are made whole */
+    for (int k = 0; k < PATH_PIXELS; k++) {
+        const int x = x0 + k % TILE, y = y0 + k / TILE;
+        if (x >= width || y >= height || (k % TILE) % step != 0 || (k / TILE) % step != 0)
+            continue;
+        store_centre(picture, x, y);
+        add_paths(picture, wave, x, y, (uint32_t)k);
+    }
+    picture->rays[tile] += path_wave_run(wave, &picture->scene, sum, err);
+    for (int k = 0; k < PATH_PIXELS; k++) {
+        const int x = x0 + k % TILE, y = y0 + k / TILE;
+        const int bx = x - x % step, by = y - y % step; /* tiles are whole blocks */
+        if (x >= width || y >= height)
+            continue;
+        const size_t at = (size_t)y * row + (size_t)x, from = (size_t)by * row + (size_t)bx;
+        rough_copy(picture->image, from, at);
+        add_batch(&picture->pixel[at], &sum[(by - y0) * TILE + bx - x0], 1);
+    }
+}
+
+static void fill_tiles(void *context, uint32_t begin, uint32_t end, unsigned thread)
+{
+    const Picture *picture = context;
+    for (uint32_t tile = begin; tile < end; tile++)
+        fill_tile(picture, picture->wave[thread], tile, &picture->failed[thread]);
+}
+
+/* Pixels that have no path yet get one, or share one. */
+static void fill_up(Picture *picture, PathReport *report, Error *err)
+{
+    const size_t n = (size_t)picture->image->width * (size_t)picture->image->height;
+    size_t missing = 0;
+    for (size_t i = 0; i < n; i++)
+        missing += picture->pixel[i].samples == 0;
+    report->rough = (double)missing / (double)n;
+    picture->step_rough = rough_step(missing, ROUGH_PATHS, TILE);
+    picture->count = 1;
+    if (missing > 0)
+        parallel_for(picture->tiles, 1, picture->options.threads, fill_tiles, picture, NULL, NULL);
+    for (unsigned i = 0; i < picture->options.threads; i++)
+        if (error_is_set(&picture->failed[i]))
+            *err = picture->failed[i];
 }
 
 /* --- batches --------------------------------------------------------------------------------- */
@@ -327,6 +388,8 @@ Image *render_path(const Room *room, const Camera *camera, const PathOptions *op
         camera_rays_crop(&picture.camera, picture.image->left, picture.image->top);
         filter_table_init(&picture.filter, options->filter);
         render_batches(&picture, err);
+        if (err->code == ERROR_STOPPED)
+            fill_up(&picture, report, err);
         fill_image(&picture, report);
     }
     picture_clear(&picture);

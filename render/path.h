@@ -40,14 +40,16 @@ typedef struct {
     uint64_t rays;
     double   seconds;
     double   samples;      /* paths per pixel made, the mean */
+    double   rough;        /* share of the pixels that were not reached before it was stopped, and
+                              that blocks of pixels share a path */
     double   error;        /* root mean square of the pixels' standard errors over the picture's
                               mean luminance; NAN where fewer than two batches were made */
 } PathReport;
 
 /* room->patches may be NULL; everything else of it is needed. The image has its layers radiance,
  * direct, indirect, albedo, normal, depth and deviation filled.
- * fails  NULL; ERROR_MEMORY. Stopped by the monitor: the image with the paths made so far and *err
- *        ERROR_STOPPED. */
+ * fails  NULL; ERROR_MEMORY. Stopped by the monitor: the image with the paths made so far, where
+ *        there are none made in about a second, and *err ERROR_STOPPED. */
 Image *render_path(const Room *room, const Camera *camera, const PathOptions *options,
                    PathReport *report, const Monitor *monitor, Error *err);
 

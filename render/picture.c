@@ -16,6 +16,7 @@
 #include "render/kept_tiles.h"
 #include "render/records_fill.h"
 #include "render/refine.h"
+#include "render/rough.h"
 #include "render/split.h"
 
 enum { TILE = REFINE_TILE, RAYS_MAX = 1 << 20 };
@@ -32,6 +33,8 @@ typedef struct {
     uint32_t             tiles_x, tiles;
     uint64_t            *rays;    /* [tiles] */
     uint64_t            *samples; /* [tiles]  of camera rays, where noise decides how many */
+    uint8_t             *known;   /* [pixels]  has samples; with options->whole */
+    int                  step;    /* edge of the blocks that share a sample when stopped */
     double              *bright;  /* [2 * tiles]  luminance seen, and by how many rays */
     double               mean;    /* luminance of the picture, roughly */
     struct Worker       *worker;  /* [threads] */
@@ -76,6 +79,20 @@ static bool store_centre(const Render *render, Worker *worker, int x, int y, Rec
     return true;
 }
 
+static void store_pixel(const Render *render, size_t at, const Pixel *pixel, double scale)
+{
+    Image *image = render->image;
+    store(image->radiance + 3 * at, pixel->radiance, scale);
+    store(image->direct + 3 * at, pixel->direct, scale);
+    store(image->indirect + 3 * at, pixel->indirect, scale);
+    store(image->albedo + 3 * at, pixel->albedo, scale);
+    store(image->irradiance + 3 * at, pixel->irradiance, scale);
+    for (uint32_t k = 0; k < image->group_count; k++)
+        store(image_group(image, k) + 3 * at, pixel->split[k], scale);
+    if (render->known != NULL)
+        render->known[at] = 1;
+}
+
 static void render_pixel(const Render *render, Worker *worker, int x, int y)
 {
     const uint32_t samples = render->options->samples;
@@ -94,17 +111,8 @@ static void render_pixel(const Render *render, Worker *worker, int x, int y)
         eye_gather(&worker->eye, worker->sample, count);
         done += count;
     }
-    if (done == 0)
-        return;
-    Image       *image = render->image;
-    const double scale = 1.0 / done;
-    store(image->radiance + 3 * at, pixel.radiance, scale);
-    store(image->direct + 3 * at, pixel.direct, scale);
-    store(image->indirect + 3 * at, pixel.indirect, scale);
-    store(image->albedo + 3 * at, pixel.albedo, scale);
-    store(image->irradiance + 3 * at, pixel.irradiance, scale);
-    for (uint32_t k = 0; k < image->group_count; k++)
-        store(image_group(image, k) + 3 * at, pixel.split[k], scale);
+    if (done > 0)
+        store_pixel(render, at, &pixel, 1.0 / done);
 }
 
 static int smaller(int a, int b) { return a < b ? a : b; }
@@ -116,6 +124,17 @@ static uint32_t rays_per_pixel(const RenderOptions *o)
         return 0;
     const uint64_t rays = (uint64_t)o->samples * o->gather_rays;
     return rays < RAYS_MAX ? (uint32_t)rays : RAYS_MAX;
+}
+
+/* All pixels of a tile have samples. */
+static void know_tile(const Render *render, uint32_t tile)
+{
+    const int x0 = (int)(tile % render->tiles_x) * TILE, y0 = (int)(tile / render->tiles_x) * TILE;
+    const int x1 = smaller(x0 + TILE, render->image->width);
+    const int y1 = smaller(y0 + TILE, render->image->height);
+    for (int y = y0; render->known != NULL && y < y1; y++)
+        memset(render->known + (size_t)y * (size_t)render->image->width + x0, 1,
+               (size_t)(x1 - x0));
 }
 
 static void render_tile(const Render *render, Worker *worker, uint32_t tile)
@@ -139,6 +158,7 @@ static void render_tile(const Render *render, Worker *worker, uint32_t tile)
         const RefineTile refine = { x0, y0, x1, y1, render->mean };
         render->samples[tile] = refine_tile(&worker->eye, &refine, render->image,
                                             render->monitor);
+        know_tile(render, tile);
         return;
     }
     for (int y = y0; y < y1; y++)
@@ -276,6 +296,76 @@ static bool find_mean(Render *render, RenderReport *report, Error *err)
     return true;
 }
 
+/* --- stopped early ---------------------------------------------------------------------------- */
+
+/* Samples that are taken for pixels without any. */
+enum { ROUGH_SAMPLES = 1 << 16 };
+
+/* The first pixel of the block that is not known gets a sample, and others have the same. */
+static void fill_block(const Render *render, Worker *worker, int x0, int y0)
+{
+    const Image *image = render->image;
+    const size_t width = (size_t)image->width;
+    size_t       first = SIZE_MAX;
+    for (int y = y0; y < smaller(y0 + render->step, image->height); y++)
+        for (int x = x0; x < smaller(x0 + render->step, image->width); x++) {
+            const size_t at = (size_t)y * width + (size_t)x;
+            Receiver     centre;
+            if (render->known[at] != 0)
+                continue;
+            if (first != SIZE_MAX) {
+                rough_copy(render->image, first, at);
+                continue;
+            }
+            Pixel pixel = { .split = eye_sums(&worker->eye, 0) };
+            worker->sample[0] = (EyeSample){
+                .x = x, .y = y, .pixel = &pixel,
+                .seed = sampling_seed((uint32_t)(x + image->left), (uint32_t)(y + image->top),
+                                      render->options->seed, 1) };
+            store_centre(render, worker, x, y, &centre);
+            eye_gather(&worker->eye, worker->sample, 1);
+            store_pixel(render, at, &pixel, 1);
+            if (image->deviation != NULL) /* one sample says no more */
+                image->deviation[at] = (float)rgb_luminance(pixel.radiance);
+            first = at;
+        }
+}
+
+static void fill_tiles(void *context, uint32_t begin, uint32_t end, unsigned thread)
+{
+    const Render *render = context;
+    Worker       *worker = &render->worker[thread];
+    worker->eye.guides.count = 0;
+    worker->eye.wave.rays = 0;
+    for (uint32_t tile = begin; tile < end; tile++) {
+        const int x0 = (int)(tile % render->tiles_x) * TILE;
+        const int y0 = (int)(tile / render->tiles_x) * TILE;
+        for (int k = 0; k < TILE * TILE; k += render->step)
+            if (k / TILE % render->step == 0)
+                fill_block(render, worker, x0 + k % TILE, y0 + k / TILE);
+        render->rays[tile] += worker->eye.wave.rays;
+        worker->eye.wave.rays = 0;
+    }
+}
+
+/* Records may be half made: they are not read. */
+static void fill_up(Render *render, RenderReport *report)
+{
+    const size_t  pixels = (size_t)render->image->width * (size_t)render->image->height;
+    RenderOptions rough = *render->options;
+    size_t        missing = 0;
+    for (size_t i = 0; i < pixels; i++)
+        missing += render->known[i] == 0;
+    report->rough = (double)missing / (double)pixels;
+    if (missing == 0)
+        return;
+    rough.records = NULL;
+    for (unsigned i = 0; i < rough.threads; i++)
+        render->worker[i].eye.options = &rough;
+    render->step = rough_step(missing, ROUGH_SAMPLES, TILE);
+    parallel_for(render->tiles, 1, rough.threads, fill_tiles, render, NULL, NULL);
+}
+
 /* --- running ---------------------------------------------------------------------------------- */
 
 static bool fill_records(const Render *render, uint64_t *rays, Error *err)
@@ -294,6 +384,9 @@ static bool prepare(Render *render, RenderReport *report, Error *err)
     const RenderOptions *o = render->options;
     render->rays = array_create(render->tiles, sizeof *render->rays, "picture", err);
     render->samples = array_create(render->tiles, sizeof *render->samples, "picture", err);
+    if (o->whole)
+        render->known = array_create((size_t)render->image->width * (size_t)render->image->height,
+                                     1, "picture", err);
     if (!workers_create(render, err) || !fill_records(render, &report->rays, err))
         return false;
     if (o->error > 0 &&
@@ -302,6 +395,9 @@ static bool prepare(Render *render, RenderReport *report, Error *err)
     memset(render->rays, 0, render->tiles * sizeof *render->rays);
     if (o->kept != NULL)
         kept_tiles_begin(o->kept, render->image, TILE, render->rays, err);
+    for (uint32_t k = 0; o->kept != NULL && !error_is_set(err) && k < render->tiles; k++)
+        if (kept_tiles_has(o->kept, k))
+            know_tile(render, k);
     return !error_is_set(err);
 }
 
@@ -332,12 +428,15 @@ static void render_run(Render *render, RenderReport *report, Error *err)
             error_set(err, ERROR_STOPPED, "the picture was stopped before it was complete");
         sum_up(render, report);
     }
+    if (err->code == ERROR_STOPPED && render->known != NULL && render->worker != NULL)
+        fill_up(render, report);
     if (o->kept != NULL)
         kept_tiles_end(o->kept);
     report->seconds = seconds_now() - start;
     workers_destroy(render);
     array_free(render->rays);
     array_free(render->samples);
+    array_free(render->known);
     array_free(render->bright);
 }
 

@@ -14,6 +14,7 @@
 #include "render/clear.h"
 #include "render/normals.h"
 #include "render/path_internal.h"
+#include "render/rough.h"
 #include "render/specular.h"
 
 enum { TILE = 16, BATCH = TILE * TILE, DEPTH_DEFAULT = 5 };
@@ -52,7 +53,10 @@ typedef struct {
     FilterTable    filter;
     Image         *image;
     Worker        *worker; /* [threads] */
-    uint32_t       tiles_x;
+    uint32_t       tiles_x, tiles;
+    uint8_t       *done;   /* [tiles] */
+    uint32_t       samples; /* per pixel that gets any, */
+    int            step;   /* of a block of step x step pixels one; more than 1: stopped early */
     const Monitor *monitor;
 } Picture;
 
@@ -210,9 +214,10 @@ static uint32_t add_rays(const Picture *picture, Worker *w, int x0, int y0, uint
         float     u[2] = { 0.5F, 0.5F };
         double    at[2] = { 0.5, 0.5 };
         Vec3      o, d;
-        if (x >= image->width || y >= image->height)
+        if (x >= image->width || y >= image->height || x % picture->step != 0 ||
+            y % picture->step != 0)
             continue;
-        if (picture->options.samples > 1) {
+        if (picture->samples > 1) {
             sampling_sobol2(sample, sampling_seed((uint32_t)x, (uint32_t)y,
                                                   picture->options.seed, 3), u);
             filter_table_offset(&picture->filter, u, at);
@@ -235,26 +240,45 @@ static void render_tile(const Picture *picture, Worker *w, uint32_t tile)
     memset(w->sum, 0, sizeof w->sum);
     for (uint32_t k = 0; k < BATCH; k++)
         w->depth[k] = INFINITY;
-    for (uint32_t sample = 0; sample < picture->options.samples; sample++)
+    for (uint32_t sample = 0; sample < picture->samples; sample++)
         trace(picture, w, w->branch, add_rays(picture, w, x0, y0, sample), 0);
     for (int k = 0; k < BATCH; k++) {
         const int x = x0 + k % TILE, y = y0 + k / TILE;
         if (x >= image->width || y >= image->height)
             continue;
         const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
-        const double scale = 1.0 / picture->options.samples;
-        image->radiance[3 * at] = (float)(w->sum[k].r * scale);
-        image->radiance[3 * at + 1] = (float)(w->sum[k].g * scale);
-        image->radiance[3 * at + 2] = (float)(w->sum[k].b * scale);
-        image->depth[at] = w->depth[k];
+        const double scale = 1.0 / picture->samples;
+        const int from = k - y % picture->step * TILE - x % picture->step;
+        image->radiance[3 * at] = (float)(w->sum[from].r * scale);
+        image->radiance[3 * at + 1] = (float)(w->sum[from].g * scale);
+        image->radiance[3 * at + 2] = (float)(w->sum[from].b * scale);
+        image->depth[at] = w->depth[from];
     }
 }
 
 static void render_tiles(void *context, uint32_t begin, uint32_t end, unsigned thread)
 {
     const Picture *picture = context;
-    for (uint32_t tile = begin; tile < end; tile++)
+    for (uint32_t tile = begin; tile < end; tile++) {
+        if (picture->done[tile] != 0)
+            continue;
         render_tile(picture, &picture->worker[thread], tile);
+        picture->done[tile] = 1;
+    }
+}
+
+/* Rays that are cast for pixels without any when it is stopped. */
+enum { ROUGH_RAYS = 1 << 20 };
+
+static void fill_up(Picture *picture, WhittedReport *report)
+{
+    uint64_t missing = 0;
+    for (uint32_t i = 0; i < picture->tiles; i++)
+        missing += picture->done[i] == 0;
+    report->rough = (double)missing / picture->tiles;
+    picture->samples = 1;
+    picture->step = rough_step(missing * BATCH, ROUGH_RAYS, TILE);
+    parallel_for(picture->tiles, 1, picture->options.threads, render_tiles, picture, NULL, NULL);
 }
 
 static bool picture_prepare(Picture *picture, const Camera *camera, Error *err)
@@ -283,6 +307,10 @@ static bool picture_prepare(Picture *picture, const Camera *camera, Error *err)
     camera_rays_crop(&picture->camera, picture->image->left, picture->image->top);
     filter_table_init(&picture->filter, o->filter);
     picture->tiles_x = ((uint32_t)picture->image->width + TILE - 1) / TILE;
+    picture->tiles = picture->tiles_x * (((uint32_t)picture->image->height + TILE - 1) / TILE);
+    picture->done = array_create(picture->tiles, 1, "picture", err);
+    picture->samples = o->samples;
+    picture->step = 1;
     return !error_is_set(err);
 }
 
@@ -306,10 +334,11 @@ Image *render_whitted(const Room *room, const Camera *camera, const WhittedOptio
     if (picture_prepare(&picture, camera, err)) {
         const Progress base = { .stage = "gather", .done = 1, .energy_left = -1 };
         const double   start = seconds_now();
-        const uint32_t tiles_y = ((uint32_t)picture.image->height + TILE - 1) / TILE;
-        if (!parallel_for(picture.tiles_x * tiles_y, 1, picture.options.threads, render_tiles,
-                          &picture, monitor, &base))
+        if (!parallel_for(picture.tiles, 1, picture.options.threads, render_tiles, &picture,
+                          monitor, &base)) {
             error_set(err, ERROR_STOPPED, "the picture was stopped before it was complete");
+            fill_up(&picture, report);
+        }
         report->seconds = seconds_now() - start;
     }
     for (unsigned i = 0; picture.worker != NULL && i < picture.options.threads; i++) {
@@ -319,6 +348,7 @@ Image *render_whitted(const Room *room, const Camera *camera, const WhittedOptio
     array_free(picture.worker);
     array_free(picture.light);
     array_free(picture.smooth);
+    array_free(picture.done);
     return error_is_set(err) && err->code != ERROR_STOPPED ? image_destroy(picture.image)
                                                            : picture.image;
 }
