@@ -197,22 +197,18 @@ static void clear_all(Live *live)
     live->report = (Report){ .done = -1, .unshot = -1, .residual = -1, .left = -1 };
 }
 
-/* After all is solved: follows the knobs until it is to end. The stochastic solver has no links to
- * relight by. */
+/* After all is solved: follows the knobs until it is to end. */
 static void stay(Live *live)
 {
     Relighting relighting;
-    const bool links = !live->pipeline->session->settings.stochastic;
-    bool good = !links || relighting_begin(&relighting, live, &live->err);
+    bool good = relighting_begin(&relighting, live, &live->err);
     while (good && !live_must_end(live)) {
         bool done = false;
-        if (links)
-            good = relighting_follow(&relighting, live, &done, &live->err);
+        good = relighting_follow(&relighting, live, &done, &live->err);
         if (good && !live_picture(live) && !done)
             rest();
     }
-    if (links)
-        relighting_end(&relighting);
+    relighting_end(&relighting);
     if (live->err.code == ERROR_STOPPED && atomic_load(&live->control->restart))
         live->err = (Error){ 0 };
 }

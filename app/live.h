@@ -24,6 +24,7 @@ typedef struct {
     uint32_t      shooter;                /* patch, or PATCH_NONE */
     const Vec3   *ray;                    /* [2 * ray_count] */
     uint32_t      ray_count;
+    bool          changed;                /* lamps or paint are not what they were in the scene */
 } LiveLight;
 
 typedef struct {

@@ -108,6 +108,27 @@ static bool add_rays(Snapshot *s, const LiveLight *light, Error *err)
     return true;
 }
 
+/* Lights and paint as they are now. */
+static bool add_changes(const Live *live, Snapshot *s, Error *err)
+{
+    const Scene *scene = live->pipeline->scene;
+    const uint32_t count = s->mesh->patch_count;
+    assert(s->mesh->light_count == scene->light_count);
+    s->reflectance = array_create(3 * (size_t)count, sizeof *s->reflectance, "paint", err);
+    s->light = array_create(scene->light_count, sizeof *s->light, "lights", err);
+    if (error_is_set(err))
+        return false;
+    if (scene->light_count > 0)
+        memcpy(s->light, scene->lights, scene->light_count * sizeof *s->light);
+    for (uint32_t i = 0; i < count; i++) {
+        const Rgb rho = scene->polygons.materials[live->patches->material[i]].reflectance;
+        s->reflectance[3 * (size_t)i] = (float)rho.r;
+        s->reflectance[3 * (size_t)i + 1] = (float)rho.g;
+        s->reflectance[3 * (size_t)i + 2] = (float)rho.b;
+    }
+    return true;
+}
+
 bool live_publish(Live *live, const LiveLight *light, Error *err)
 {
     assert(light->radiosity != NULL && light->visible_area != NULL);
@@ -124,6 +145,7 @@ bool live_publish(Live *live, const LiveLight *light, Error *err)
         (light->direct == NULL && light->links != NULL && !add_direct(live, s, light, err)) ||
         (light->unshot != NULL && !snapshot_layer(s, LAYER_UNSHOT, light->unshot, err)) ||
         (light->error != NULL && !add_error(s, light->error, err)) ||
+        (light->changed && !add_changes(live, s, err)) ||
         (light->links != NULL && !add_rows(s, light->links, err)) ||
         (light->ray_count > 0 && !add_rays(s, light, err))) {
         snapshot_destroy(s);

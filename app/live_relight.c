@@ -1,19 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Knobs that are turned: the problem scaled, solved from the last solution on. */
+/* Knobs that are turned: the scene changed, solved from the last solution on. */
 #include "app/live_relight.h"
 
 #include <assert.h>
 #include <math.h>
 #include <string.h>
 
-#include "app/json.h"
-#include "app/output.h"
+#include "app/live_changes.h"
+#include "app/pipeline_stochastic.h"
 #include "base/array.h"
-#include "math/tolerance.h"
 #include "radiosity/relight.h"
 
 /* While a slider moves, light need not be known better than is seen: a two-hundredth of a stop. */
 static const double MOVING_TOLERANCE = 1e-3;
+/* A slider that rests so long has been let go of. */
+static const double MOVING_SECONDS = 0.3;
+
+/* --- the scene before ------------------------------------------------------------------------- */
 
 static double *copy(const double *value, size_t n, Error *err)
 {
@@ -23,109 +26,229 @@ static double *copy(const double *value, size_t n, Error *err)
     return out;
 }
 
-bool relighting_begin(Relighting *relighting, Live *live, Error *err)
+/* Knob k's own copy of a material that emits; *material becomes it. copy_of [before]. */
+static bool own_material(Relighting *r, uint32_t k, Polygons *soup, uint32_t *copy_of,
+                         uint32_t before, uint32_t *material, Error *err)
 {
-    const Pipeline *p = live->pipeline;
-    const size_t n = (size_t)ROOM_BANDS * p->patches->count;
-    *relighting = (Relighting){ 0 };
-    relighting->emission = copy(p->emission, n, err);
-    relighting->reflectance = copy(p->reflectance, n, err);
-    relighting->direct = copy(p->direct.irradiance, n, err);
-    return !error_is_set(err) &&
-           knobs_list(p->scene, &relighting->knob, &relighting->knob_count, err);
-}
-
-void relighting_end(Relighting *relighting)
-{
-    array_free(relighting->emission);
-    array_free(relighting->reflectance);
-    array_free(relighting->direct);
-    knobs_free(relighting->knob, relighting->knob_count);
-    *relighting = (Relighting){ 0 };
-}
-
-/* Factors of all materials' emission and reflectance [2 * materials]; lights in *lights. */
-static double *factors(const Relighting *relighting, const Pipeline *p, const double *value,
-                       double *lights, Error *err)
-{
-    const size_t materials = p->scene->polygons.material_count;
-    double *factor = array_create(2 * materials, sizeof *factor, "knobs", err);
-    *lights = 1;
-    for (size_t i = 0; factor != NULL && i < 2 * materials; i++)
-        factor[i] = 1;
-    for (uint32_t k = 0; factor != NULL && k < relighting->knob_count; k++) {
-        const Knob *knob = &relighting->knob[k];
-        if (knob->kind == KNOB_LIGHTS)
-            *lights = value[k];
-        else
-            factor[2 * (size_t)knob->index + (knob->kind == KNOB_PAINT)] = value[k];
+    if (*material >= before || !(rgb_max(soup->materials[*material].emission) > 0))
+        return true;
+    if (copy_of[*material] == UINT32_MAX) {
+        const Material m = soup->materials[*material];
+        if (!polygons_add_material(soup, &m, &copy_of[*material], err))
+            return false;
+        r->lamp[copy_of[*material]] = k;
+        r->paint[copy_of[*material]] = r->paint[*material];
     }
-    return factor;
+    *material = copy_of[*material];
+    return true;
 }
 
-static void scale_problem(const Relighting *relighting, Pipeline *p, const double *factor,
-                          double lights)
+/* Lamps of a knob's group get materials of their own. */
+static bool part_group(Relighting *r, uint32_t k, Pipeline *p, Error *err)
 {
-    for (uint32_t i = 0; i < p->patches->count; i++) {
-        const double *f = factor + 2 * (size_t)p->patches->material[i];
-        for (size_t k = ROOM_BANDS * (size_t)i; k < ROOM_BANDS * ((size_t)i + 1); k++) {
-            p->emission[k] = f[0] * relighting->emission[k];
-            p->reflectance[k] = fmin(f[1] * relighting->reflectance[k],
-                                     TOLERANCE_REFLECTANCE_MAX);
-            p->direct.irradiance[k] = lights * relighting->direct[k];
-        }
-    }
-}
-
-/* As isolux solve --changes reads it. A material that nobody can name keeps its light. */
-static bool save(const Relighting *relighting, const Live *live, const double *value, Error *err)
-{
-    const Pipeline *p = live->pipeline;
-    char path[4096];
-    if (!output_name(output_base(p->session->options.scene), "-changes.json", path, sizeof path,
-                     err))
+    const uint32_t group = r->knob[k].index;
+    Polygons *soup = &p->scene->polygons;
+    const uint32_t before = (uint32_t)soup->material_count;
+    uint32_t *copy_of = array_create(before, sizeof *copy_of, "knobs", err);
+    if (copy_of == NULL)
         return false;
-    Json json = { .out = fopen(path, "w") };
-    if (json.out == NULL)
-        return error_set(err, ERROR_FAILED, "%s: cannot be written", path);
-    json_open(&json, NULL, '{');
-    for (uint32_t k = 0; k < relighting->knob_count; k++) {
-        const Knob *knob = &relighting->knob[k];
-        char text[40];
-        snprintf(text, sizeof text, "*%.6g", value[k]);
-        if (!(fabs(value[k] - 1) > 0) || knob->name[0] == '\0')
-            continue;
-        for (size_t i = 0; i < (knob->kind == KNOB_LIGHTS ? p->scene->light_count : 1); i++) {
-            json_open(&json, knob->kind == KNOB_LIGHTS ? p->scene->lights[i].name : knob->name,
-                      '{');
-            json_text(&json, knob->kind == KNOB_PAINT ? "reflectance" : "emission", text);
-            json_close(&json, '}');
-        }
+    memset(copy_of, 0xff, before * sizeof *copy_of);
+    for (uint32_t i = 0; i < p->surfaces->count && !error_is_set(err); i++) {
+        Surface *s = &p->surfaces->surface[i];
+        if (s->group == group)
+            own_material(r, k, soup, copy_of, before, &s->material, err);
+        if (s->back_group == group)
+            own_material(r, k, soup, copy_of, before, &s->back_material, err);
     }
-    json_close(&json, '}');
-    const bool bad = json.failed || ferror(json.out) != 0;
-    return (fclose(json.out) == 0 && !bad) ||
-           error_set(err, ERROR_FAILED, "%s: cannot be written", path);
+    array_free(copy_of);
+    return !error_is_set(err);
 }
 
-static bool solve_again(Relighting *relighting, Live *live, const double *value, Error *err)
+static bool part_lamps(Relighting *r, Pipeline *p, Error *err)
+{
+    const uint32_t originals = (uint32_t)p->scene->polygons.material_count;
+    const size_t most = ((size_t)KNOBS_GROUPS + 1) * originals;
+    r->lamp = array_create(most, sizeof *r->lamp, "knobs", err);
+    r->paint = array_create(most, sizeof *r->paint, "knobs", err);
+    if (error_is_set(err))
+        return false;
+    memset(r->lamp, 0xff, most * sizeof *r->lamp);
+    memset(r->paint, 0xff, most * sizeof *r->paint);
+    for (uint32_t k = 0; k < r->knob_count; k++) {
+        if (r->knob[k].kind == KNOB_LAMP)
+            r->lamp[r->knob[k].index] = k;
+        if (r->knob[k].kind == KNOB_PAINT)
+            r->paint[r->knob[k].index] = k;
+    }
+    for (uint32_t k = 0; k < r->knob_count && r->knob[k].kind == KNOB_GROUP; k++)
+        if (!part_group(r, k, p, err))
+            return false;
+    return true;
+}
+
+static bool note_lights(Relighting *r, const Scene *scene, Error *err)
+{
+    r->intensity = array_create(scene->light_count, sizeof *r->intensity, "knobs", err);
+    r->light = array_create(scene->light_count, sizeof *r->light, "knobs", err);
+    r->alone = array_create(r->knob_count, sizeof *r->alone, "knobs", err);
+    for (uint32_t i = 0; !error_is_set(err) && i < scene->light_count; i++) {
+        r->intensity[i] = scene->lights[i].intensity;
+        r->light[i] = UINT32_MAX;
+        for (uint32_t k = 0; k < r->knob_count; k++) {
+            const Knob *knob = &r->knob[k];
+            if (knob->kind == KNOB_LIGHTS ||
+                (knob->kind == KNOB_LIGHT && strcmp(knob->name, scene->lights[i].name) == 0))
+                r->light[i] = k;
+        }
+    }
+    return !error_is_set(err);
+}
+
+/* What the room reads from the scene, once materials have moved or were added. */
+static void follow_materials(Pipeline *p)
+{
+    p->room.materials = p->scene->polygons.materials;
+    p->room.material_count = p->scene->polygons.material_count;
+    for (uint32_t i = 0; i < p->patches->count; i++)
+        p->patches->material[i] = surfaces_material(p->surfaces, p->patches->surface[i],
+                                                    p->patches->side[i]);
+}
+
+bool relighting_begin(Relighting *r, Live *live, Error *err)
 {
     Pipeline *p = live->pipeline;
+    *r = (Relighting){ 0 };
+    if (!knobs_list(p->scene, &r->knob, &r->knob_count, err) || !part_lamps(r, p, err) ||
+        !note_lights(r, p->scene, err))
+        return false;
+    follow_materials(p);
+    const Polygons *soup = &p->scene->polygons;
+    r->materials = (uint32_t)soup->material_count;
+    r->emission = array_create(r->materials, sizeof *r->emission, "knobs", err);
+    r->reflectance = array_create(r->materials, sizeof *r->reflectance, "knobs", err);
+    for (uint32_t m = 0; !error_is_set(err) && m < r->materials; m++) {
+        r->emission[m] = soup->materials[m].emission;
+        r->reflectance[m] = soup->materials[m].reflectance;
+    }
+    if (p->direct.irradiance != NULL)
+        r->direct = copy(p->direct.irradiance, (size_t)ROOM_BANDS * p->patches->count, err);
+    return !error_is_set(err);
+}
+
+void relighting_end(Relighting *r)
+{
+    for (uint32_t k = 0; r->alone != NULL && k < r->knob_count; k++)
+        array_free(r->alone[k]);
+    array_free(r->alone);
+    array_free(r->emission);
+    array_free(r->reflectance);
+    array_free(r->lamp);
+    array_free(r->paint);
+    array_free(r->intensity);
+    array_free(r->light);
+    array_free(r->direct);
+    knobs_free(r->knob, r->knob_count);
+    *r = (Relighting){ 0 };
+}
+
+/* --- the scene as the knobs stand ------------------------------------------------------------- */
+
+static void turn_materials(const Relighting *r, Pipeline *p, const KnobSetting *s)
+{
+    for (uint32_t m = 0; m < r->materials; m++) {
+        Material *material = &p->scene->polygons.materials[m];
+        const uint32_t lamp = r->lamp[m], paint = r->paint[m];
+        material->emission = lamp != UINT32_MAX && s->turned[lamp]
+                                 ? knob_apply(&r->knob[lamp], s->value[lamp], r->emission[m])
+                                 : r->emission[m];
+        material->reflectance = paint != UINT32_MAX && s->turned[paint]
+                                    ? knob_apply(&r->knob[paint], s->value[paint],
+                                                 r->reflectance[m])
+                                    : r->reflectance[m];
+    }
+}
+
+/* What arrives from the lights of one knob, as they are in the scene. */
+static bool cast_alone(Relighting *r, Pipeline *p, uint32_t k, Error *err)
+{
+    const Settings *settings = &p->session->settings;
+    const DirectOptions options = { .seed = settings->seed, .threads = settings->threads,
+                                    .balance = settings->closure != CLOSURE_NONE };
+    Light *light = array_create(p->scene->light_count, sizeof *light, "knobs", err);
+    if (light == NULL)
+        return false;
+    Room room = p->room;
+    Direct direct = { 0 };
+    room.lights = light;
+    room.light_count = 0;
+    for (uint32_t i = 0; i < p->scene->light_count; i++)
+        if (r->light[i] == k) {
+            light[room.light_count] = p->scene->lights[i];
+            light[room.light_count++].intensity = r->intensity[i];
+        }
+    const bool cast = direct_create(&room, p->links, &options, &direct, &p->session->monitor, err);
+    array_free(light);
+    r->alone[k] = cast ? direct.irradiance : array_free(direct.irradiance);
+    return cast;
+}
+
+static bool turn_lights(Relighting *r, Pipeline *p, const KnobSetting *s, Error *err)
+{
     const size_t n = (size_t)ROOM_BANDS * p->patches->count;
-    const SolveOptions so = { .solver = SOLVER_TWO_LEVEL, .tolerance = MOVING_TOLERANCE,
+    if (p->scene->light_count == 0)
+        return true;
+    memcpy(p->direct.irradiance, r->direct, n * sizeof *r->direct);
+    for (uint32_t k = 0; k < r->knob_count; k++) {
+        const Knob *knob = &r->knob[k];
+        if ((knob->kind != KNOB_LIGHT && knob->kind != KNOB_LIGHTS) || !s->turned[k])
+            continue;
+        if (r->alone[k] == NULL && !cast_alone(r, p, k, err))
+            return false;
+        const Rgb one = rgb(1, 1, 1), f = knob_apply(knob, s->value[k], one);
+        const double more[ROOM_BANDS] = { f.r - 1, f.g - 1, f.b - 1 };
+        for (size_t i = 0; i < n; i++) /* rounding may leave less than nothing */
+            p->direct.irradiance[i] = fmax(0, p->direct.irradiance[i] +
+                                                  more[i % ROOM_BANDS] * r->alone[k][i]);
+    }
+    for (uint32_t i = 0; i < p->scene->light_count; i++) {
+        const uint32_t k = r->light[i];
+        p->scene->lights[i].intensity =
+            k != UINT32_MAX && s->turned[k] ? knob_apply(&r->knob[k], s->value[k], r->intensity[i])
+                                            : r->intensity[i];
+    }
+    return true;
+}
+
+/* --- the light ------------------------------------------------------------------------------- */
+
+static Solution *solve_again(Pipeline *p, const double *received, double tolerance, Error *err)
+{
+    const SolveOptions so = { .solver = SOLVER_TWO_LEVEL, .tolerance = tolerance,
                               .threads = p->session->settings.threads,
                               .centre = p->patches->centre, .normal = p->patches->normal };
-    double lights;
-    double *factor = factors(relighting, p, value, &lights, err);
-    double *before = copy(p->direct.irradiance, n, err);
+    Solution *const before = p->solution;
+    if (!p->session->settings.stochastic)
+        return relight(p->links, &p->problem, before, received, &so, &p->session->monitor, err);
+    p->solution = NULL;
+    pipeline_stochastic_solve(p, err);
+    Solution *after = p->solution;
+    p->solution = before;
+    return after;
+}
+
+static bool change(Relighting *r, Pipeline *p, const KnobSetting *setting, Error *err)
+{
+    const size_t n = (size_t)ROOM_BANDS * p->patches->count;
+    double *received = p->direct.irradiance != NULL ? copy(p->direct.irradiance, n, err) : NULL;
     Solution *after = NULL;
-    if (!error_is_set(err)) {
-        scale_problem(relighting, p, factor, lights);
-        after = relight(p->links, &p->problem, p->solution, before, &so, &p->session->monitor,
-                        err);
+    turn_materials(r, p, setting);
+    if (!error_is_set(err) && turn_lights(r, p, setting, err)) {
+        p->emission = array_free(p->emission);
+        p->reflectance = array_free(p->reflectance);
+        if (pipeline_problem(p, err))
+            after = solve_again(p, received, MOVING_TOLERANCE, err);
     }
-    array_free(factor);
-    array_free(before);
+    array_free(received);
     if (after == NULL)
         return false;
     solution_destroy(p->solution);
@@ -133,34 +256,84 @@ static bool solve_again(Relighting *relighting, Live *live, const double *value,
     return true;
 }
 
-bool relighting_follow(Relighting *relighting, Live *live, bool *done, Error *err)
+static void save(const Relighting *r, const Live *live)
 {
-    double value[KNOBS_MOST];
-    Pipeline *p = live->pipeline;
-    Knobs *knobs = &live->control->knobs;
-    *done = false;
-    assert(p->solution != NULL && relighting->emission != NULL);
-    if (atomic_load(&knobs->save)) {
-        Error failed = { 0 };
-        knobs_read(knobs, value);
-        if (!save(relighting, live, value, &failed))
-            monitor_warn(&p->session->monitor, "not-saved", "", "%s", failed.text);
-        atomic_store(&knobs->save, false);
-    }
-    if (atomic_load(&knobs->version) == relighting->version)
+    const Pipeline *p = live->pipeline;
+    char path[4096], line[256];
+    KnobSetting setting;
+    Error err = { 0 };
+    knobs_read(&live->control->knobs, &setting);
+    if (live_changes_save(p->scene, p->session->options.scene, r->knob, r->knob_count, &setting,
+                          path, sizeof path, &err))
+        snprintf(line, sizeof line, "saved %.200s, which --changes reads", path);
+    else
+        snprintf(line, sizeof line, "%.255s", err.text);
+    control_say(live->control, line);
+}
+
+/* Whether the last solution is for the knobs as they stand, or none was ever turned. */
+static bool up_to_date(const Relighting *r, Knobs *knobs)
+{
+    KnobSetting setting;
+    bool any = false;
+    if (atomic_load(&knobs->version) == r->version)
         return true;
-    *done = true;
-    relighting->version = knobs_read(knobs, value);
-    live_begin(live, "relit", STEP_SOLVED);
-    if (!solve_again(relighting, live, value, err))
-        return false;
+    knobs_read(knobs, &setting);
+    for (uint32_t k = 0; k < r->knob_count; k++)
+        any = any || setting.turned[k];
+    return !any && r->version == 0;
+}
+
+static bool publish(Live *live, const Links *links, Error *err)
+{
+    const Pipeline *p = live->pipeline;
+    const LiveLight light = { .radiosity = p->solution->radiosity,
+                              .irradiance = p->solution->irradiance,
+                              .visible_area = p->links->area, .links = links,
+                              .shooter = PATCH_NONE, .changed = true };
     live->report.residual = p->solution->residual;
     live->report.steps = p->solution->iterations;
     live->report.done = 1;
     live_report(live);
-    const LiveLight light = { .radiosity = p->solution->radiosity,
-                              .irradiance = p->solution->irradiance,
-                              .direct = p->direct.irradiance, .visible_area = p->links->area,
-                              .shooter = PATCH_NONE };
     return live_publish(live, &light, err);
+}
+
+/* Nothing was turned for a while: to the solver's own tolerance, with all that links tell. */
+static bool settle(Relighting *r, Live *live, Error *err)
+{
+    Pipeline *p = live->pipeline;
+    r->moving = false;
+    if (!p->session->settings.stochastic) {
+        Solution *after = solve_again(p, p->direct.irradiance,
+                                      atomic_load(&live->control->tolerance), err);
+        if (after == NULL)
+            return false;
+        solution_destroy(p->solution);
+        p->solution = after;
+    }
+    return publish(live, p->links, err);
+}
+
+bool relighting_follow(Relighting *r, Live *live, bool *done, Error *err)
+{
+    KnobSetting setting;
+    Knobs *knobs = &live->control->knobs;
+    assert(live->pipeline->solution != NULL && r->emission != NULL);
+    *done = false;
+    if (atomic_exchange(&knobs->save, false))
+        save(r, live);
+    const unsigned version = atomic_load(&knobs->version);
+    if (up_to_date(r, knobs)) {
+        const bool due = r->moving && progress_now() - r->turned > MOVING_SECONDS;
+        const bool good = !due || settle(r, live, err);
+        if (good && !r->moving)
+            atomic_store(&knobs->settled, version);
+        return good;
+    }
+    *done = true;
+    r->moving = true;
+    r->turned = progress_now();
+    r->version = knobs_read(knobs, &setting);
+    live_begin(live, "relit", STEP_SOLVED);
+    return change(r, live->pipeline, &setting, err) && publish(live, NULL, err);
 }

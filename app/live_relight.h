@@ -1,22 +1,37 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* app/live_relight.h -- light that follows the window's knobs, by links that are there. */
+/* app/live_relight.h -- light that follows the window's knobs: by links that are there, or solved
+ * for anew where the solver has none.
+ *
+ * What is turned is changed in the scene itself, so that pictures gathered later see it. Lamps of a
+ * group get materials of their own for that; of point lights those that are turned are cast once
+ * more by themselves.
+ */
 #ifndef APP_LIVE_RELIGHT_H
 #define APP_LIVE_RELIGHT_H
 
 #include "app/live.h"
 
-/* What the problem was before any knob was turned, and what it is with them. */
+/* The scene before any knob was turned. */
 typedef struct {
-    unsigned version;      /* of the knobs that the solution is for */
-    double  *emission, *reflectance, *direct; /* [3 * patches]  the scene's own */
-    Knob    *knob;
-    uint32_t knob_count;
+    unsigned  version;      /* of the knobs that the solution is for */
+    Knob     *knob;         /* [knob_count] */
+    uint32_t  knob_count;
+    uint32_t  materials;    /* with those that groups have for themselves */
+    Rgb      *emission, *reflectance;  /* [materials] */
+    uint32_t *lamp, *paint; /* [materials]  knob, or UINT32_MAX */
+    Rgb      *intensity;    /* [lights] */
+    uint32_t *light;        /* [lights]  knob, or UINT32_MAX */
+    double   *direct;       /* [3 * patches]  what arrives from point lights; NULL: nothing */
+    bool      moving;       /* the solution is rough: a knob was turned lately, at `turned` */
+    double    turned;
+    double  **alone;        /* [knob_count]  from those of one knob; NULL: not cast yet */
 } Relighting;
 
 /* Once the pipeline is solved. fails  false; ERROR_MEMORY. */
 bool relighting_begin(Relighting *relighting, Live *live, Error *err);
 void relighting_end(Relighting *relighting);
-/* Solves anew when a knob was turned since, and publishes; *done tells whether there was any.
+/* Solves anew when a knob was turned since, and publishes; *done tells whether there was any. Saves
+ * what was turned when that was asked for, and tells the window how it went.
  * fails  false; as relight. */
 bool relighting_follow(Relighting *relighting, Live *live, bool *done, Error *err);
 

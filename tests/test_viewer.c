@@ -150,16 +150,35 @@ static void test_wrong_lines_are_told(void **state)
 
 static void test_knobs_count_their_turns(void **state)
 {
-    double value[KNOBS_MOST];
+    KnobSetting setting;
     Knobs knobs;
+    const Knob knob = { .kind = KNOB_GROUP, .base = { 4, 2, 0 } };
     (void)state;
     knobs_init(&knobs);
-    assert_int_equal(knobs_read(&knobs, value), 0);
-    assert_true(value[7] == 1);
-    knobs_turn(&knobs, 7, 0.25);
-    assert_int_equal(knobs_read(&knobs, value), 1);
-    assert_true(value[7] == 0.25 && value[6] == 1 && knobs_value(&knobs, 7) == 0.25);
+    assert_int_equal(knobs_read(&knobs, &setting), 0);
+    assert_true(knobs_value(&knobs, &knob, 7).r == 4);
+    knobs_turn(&knobs, 7, rgb(1, 1, 1));
+    assert_int_equal(knobs_read(&knobs, &setting), 1);
+    assert_true(setting.turned[7] && !setting.turned[6]);
+    assert_true(knobs_value(&knobs, &knob, 7).r == 1);
+    knobs_reset(&knobs);
+    assert_int_equal(knobs_read(&knobs, &setting), 2);
+    assert_false(setting.turned[7]);
     knobs_clear(&knobs);
+}
+
+static void test_knobs_scale_what_the_scene_has(void **state)
+{
+    Knob knob = { .kind = KNOB_GROUP, .base = { 4, 2, 0 } };
+    (void)state;
+    const Rgb dim = knob_apply(&knob, rgb(1, 4, 3), rgb(2, 1, 0));
+    assert_true(dim.r == 0.5 && dim.g == 2 && dim.b == 0); /* there is no blue to scale */
+    assert_true(knob_is_factor(&knob, rgb(1, 4, 3)));
+    knob.plain = true;
+    assert_true(knob_apply(&knob, rgb(1, 4, 3), rgb(4, 2, 0)).b == 3);
+    assert_false(knob_is_factor(&knob, rgb(1, 4, 3)));
+    knob.kind = KNOB_PAINT;
+    assert_true(knob_apply(&knob, rgb(9, 9, 9), rgb(0.5, 0.5, 0.5)).r < 1);
 }
 
 /* What was not taken in time is gone when the next comes, and only then. */
@@ -192,6 +211,7 @@ int main(void)
         cmocka_unit_test(test_scripts_are_read),
         cmocka_unit_test(test_wrong_lines_are_told),
         cmocka_unit_test(test_knobs_count_their_turns),
+        cmocka_unit_test(test_knobs_scale_what_the_scene_has),
         cmocka_unit_test(test_the_mailbox_keeps_the_newest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -41,7 +41,7 @@ static bool name_view(Viewer *viewer, const char *ending, char *path, size_t siz
     return false;
 }
 
-static void tell(Viewer *viewer, const char *path, const Error *err)
+static void tell_how(Viewer *viewer, const char *path, const Error *err)
 {
     if (error_is_set(err))
         viewer_say(viewer, "%s", err->text);
@@ -49,7 +49,7 @@ static void tell(Viewer *viewer, const char *path, const Error *err)
         viewer_say(viewer, "saved %s", path);
 }
 
-void files_save_frame(Viewer *viewer, const char *path)
+void files_save_frame(Viewer *viewer, const char *path, bool tell)
 {
     Error err = { 0 };
     const int w = viewer->view.width, h = viewer->view.height;
@@ -59,7 +59,8 @@ void files_save_frame(Viewer *viewer, const char *path)
         pixels_write_png(rgb, w, h, path, &err);
     }
     array_free(rgb);
-    tell(viewer, path, &err);
+    if (tell || error_is_set(&err))
+        tell_how(viewer, path, &err);
 }
 
 static ImageInfo describe(const Viewer *viewer, const Camera *camera)
@@ -88,13 +89,14 @@ void files_save_png(Viewer *viewer)
                              ? easel_image(&viewer->control->easel) : NULL;
     if (image == NULL) {
         memcpy(viewer->screenshot, path, sizeof path);
+        viewer->by_key = true;
         return;
     }
     const ImageTone tone = { viewer->view.exposure, viewer->view.tone };
     const ImageInfo info = describe(viewer, &viewer->view.camera);
     image_write_png(image, &tone, &info, path, &err);
     easel_shut(&viewer->control->easel);
-    tell(viewer, path, &err);
+    tell_how(viewer, path, &err);
 }
 
 void files_save_exr(Viewer *viewer)
@@ -118,5 +120,5 @@ void files_save_exr(Viewer *viewer)
             image_write_exr(still, &info, path, &err);
         image_destroy(still);
     }
-    tell(viewer, path, &err);
+    tell_how(viewer, path, &err);
 }

@@ -12,8 +12,8 @@ struct Viewer;
  * current folder; `ending` ".png". False: 9999 are there, or the name is too long. */
 bool files_free_name(const struct Viewer *viewer, const char *word, const char *ending, char *path,
                      size_t size);
-/* The frame as it was drawn, panels and all. */
-void files_save_frame(struct Viewer *viewer, const char *path);
+/* The frame as it was drawn, panels and all. What fails is told, what is saved only if `tell`. */
+void files_save_frame(struct Viewer *viewer, const char *path, bool tell);
 /* The gathered picture, once it is finished and shown; else the next frame. */
 void files_save_png(struct Viewer *viewer);
 /* The gathered picture with all its layers, or the view by values at vertices. */

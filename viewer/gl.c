@@ -33,6 +33,7 @@ struct Gl {
     ShownMesh *mesh;                /* a reference to what the buffers hold */
     Vec3   middle;                  /* places are kept from here: floats are short */
     uint32_t ray_count;
+    bool   robust;                  /* the card tells when it has lost the context */
     bool   smooth;                  /* vertices hold the layer shown */
     float *scratch;
     size_t capacity;
@@ -86,6 +87,7 @@ Gl *gl_create(Error *err)
     gl->program[LINE_PROGRAM] = link_program(shader_line_vertex, shader_line_fragment, err);
     gl->program[PICTURE_PROGRAM] = link_program(shader_picture_vertex, shader_picture_fragment,
                                                 err);
+    gl->robust = epoxy_has_gl_extension("GL_ARB_robustness");
     glGenBuffers(BUFFER_COUNT, gl->buffer);
     glGenVertexArrays(1, &gl->faces);
     glGenVertexArrays(1, &gl->lines);
@@ -118,6 +120,22 @@ Gl *gl_destroy(Gl *gl)
     shown_mesh_leave(gl->mesh);
     array_free(gl->scratch);
     return array_free(gl);
+}
+
+/* Drivers tell in one of two ways: by asking, or by the error of whatever was called. */
+bool gl_is_lost(const Gl *gl)
+{
+    static const GLenum LOST = 0x0507; /* GL_CONTEXT_LOST */
+    assert(gl != NULL);
+    if (gl->robust && glGetGraphicsResetStatusARB() != GL_NO_ERROR)
+        return true;
+    bool lost = false;
+    GLenum error = glGetError();
+    for (int k = 0; k < 16 && error != GL_NO_ERROR; k++) {
+        lost = lost || error == LOST;
+        error = glGetError();
+    }
+    return lost;
 }
 
 /* --- buffers ---------------------------------------------------------------------------------- */

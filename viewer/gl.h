@@ -32,6 +32,8 @@ typedef struct Gl Gl;
 /* fails  NULL; ERROR_FAILED when a shader does not compile, ERROR_MEMORY. */
 Gl *gl_create(Error *err);
 Gl *gl_destroy(Gl *gl);
+/* Whether the context is lost, with all that it held: only destroying is of use then. */
+bool gl_is_lost(const Gl *gl);
 /* Takes what is to be shown: the mesh's buffers only when it is another mesh than before. */
 bool gl_take(Gl *gl, const Snapshot *snapshot, Layer layer, Error *err);
 /* Numbers for false colours, of patches and of vertices of the mesh taken; NAN: grey. */

@@ -52,6 +52,7 @@ bool gui_choice(const char *name, int *chosen, const char *const *names, int cou
 /* format: of one double as printf takes it. */
 bool gui_slider(const char *name, double *value, double low, double high, const char *format,
                 bool logarithmic);
+/* A square that opens a picker; 0..1 as the screen shows them. */
 bool gui_colour(const char *name, double rgb[3]);
 
 /* --- marks over the picture and below the panels, in pixels ---------------------------------- */

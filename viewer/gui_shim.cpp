@@ -101,6 +101,7 @@ void gui_event(const Event *event)
         io.MouseWheel += (float)event->y;
         break;
     case EVENT_CLOSE:
+    case EVENT_SCALE:
         break;
     }
 }
@@ -218,8 +219,9 @@ bool gui_slider(const char *name, double *value, double low, double high, const 
 bool gui_colour(const char *name, double rgb[3])
 {
     float c[3] = { (float)rgb[0], (float)rgb[1], (float)rgb[2] };
-    leave_room_for_name();
-    const bool changed = ImGui::ColorEdit3(name, c, ImGuiColorEditFlags_Float);
+    const bool changed = ImGui::ColorEdit3(name, c, ImGuiColorEditFlags_NoInputs |
+                                                    ImGuiColorEditFlags_NoLabel |
+                                                    ImGuiColorEditFlags_PickerHueWheel);
     for (int k = 0; changed && k < 3; k++)
         rgb[k] = (double)c[k];
     return changed;

@@ -145,6 +145,7 @@ static void act_on_solver(Viewer *viewer, Action action)
     case ACTION_RELOAD:
         viewer_say(viewer, action == ACTION_RELOAD ? "reading again" : "from the beginning");
         gathered_drop(viewer);
+        knobs_reset(&control->knobs);
         atomic_store(&control->paused, false);
         atomic_store(&control->restart, true);
         break;
@@ -358,6 +359,9 @@ void input_event(Viewer *viewer, const Event *event)
         break;
     case EVENT_CLOSE:
         viewer->close = true;
+        break;
+    case EVENT_SCALE:
+        viewer->rescaled = true;
         break;
     case EVENT_CHARACTER:
         break;

@@ -35,6 +35,9 @@ typedef struct Viewer {
     bool        exposure_due;  /* it must be found again */
     bool        panels, help;
     bool        changing;      /* lamps and paint are open */
+    bool        has_gui;
+    bool        rescaled;      /* the screen's scale is another */
+    bool        lose_context;  /* a script wants it lost */
     bool        close, dirty;  /* dirty: the picture is not what it should be any more */
     bool        at_home;       /* the camera was never set */
     uint32_t    camera_number;
@@ -46,12 +49,14 @@ typedef struct Viewer {
     unsigned    picture_seen;   /* changes of the easel that the card holds */
     unsigned    picture_knobs;  /* version of the knobs when it was asked for */
     Report      report;
+    bool        settled;       /* what is shown is solved for the knobs as they stand */
     unsigned    sayings;       /* of the solver's that were heard */
     char        notice[256];
     double      notice_until;
     double      last_frame, frame_seconds; /* the latter a running mean */
     uint32_t    frame;
     char        screenshot[4096]; /* to be made of this frame; "": none */
+    bool        by_key;           /* and it is to be told */
 } Viewer;
 
 /* --- input.c ---------------------------------------------------------------------------------- */
@@ -70,7 +75,19 @@ uint32_t pick_hit(const Viewer *viewer, double x, double y, Hit *hit, Vec3 *at);
 /* Exposure (EV) that puts what is seen at mid grey, lamps left out. */
 double pick_exposure(const Viewer *viewer);
 
+/* --- renew.c ---------------------------------------------------------------------------------- */
+
+/* What lives on the card: programs, buffers, the panels' font. fails  false; ERROR_FAILED,
+ * ERROR_MEMORY; renew_leave is due all the same. */
+bool renew_open(Viewer *viewer, Error *err);
+void renew_leave(Viewer *viewer);
+/* Before each frame: makes all of it anew when the context is lost, in a new window; and the panels
+ * for a screen of another scale. fails  false; as renew_open. */
+bool renew_if_lost(Viewer *viewer, Error *err);
+
 /* --- panels.c --------------------------------------------------------------------------------- */
 void panels_draw(Viewer *viewer);
+/* panels_change.c: lamps and paint, at the right; places in pixels. */
+void panels_change(Viewer *viewer, double width, double gap);
 
 #endif

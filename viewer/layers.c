@@ -70,14 +70,14 @@ double layer_value(const Snapshot *s, ShownLayer layer, uint32_t i)
     case SHOWN_UNSHOT:
         return rgb_luminance(band_values(s, LAYER_UNSHOT, i));
     case SHOWN_RESIDUAL: {
-        const Rgb back = rgb_mul(patch->reflectance, band_values(s, LAYER_IRRADIANCE, i));
+        const Rgb back = rgb_mul(snapshot_reflectance(s, i), band_values(s, LAYER_IRRADIANCE, i));
         const Rgb d = rgb_mad(band_values(s, LAYER_RADIOSITY, i), -1, back);
         return patch->lamp ? NAN : rgb_luminance(rgb(fabs(d.r), fabs(d.g), fabs(d.b)));
     }
     case SHOWN_ERROR:
         return rgb_luminance(band_values(s, LAYER_ERROR, i));
     case SHOWN_REFLECTANCE:
-        return rgb_luminance(patch->reflectance);
+        return rgb_luminance(snapshot_reflectance(s, i));
     default:
         return NAN;
     }

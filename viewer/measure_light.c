@@ -109,7 +109,7 @@ static Rgb from_lights(const Gathering *g, uint32_t point)
     const ShownMesh *mesh = g->snapshot->mesh;
     Rgb sum = rgb(0, 0, 0);
     for (uint32_t i = 0; i < mesh->light_count; i++) {
-        const Light *light = &mesh->light[i];
+        const Light *light = &snapshot_lights(g->snapshot)[i];
         const Vec3   to = vec3_sub(light->position, g->plane->point[point]);
         const double distance = vec3_length(to);
         const double cosine = vec3_dot(to, g->plane->up) / distance;

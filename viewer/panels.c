@@ -184,6 +184,7 @@ static void patch_panel(const Viewer *viewer, double y, double width)
     const ShownMesh *mesh = viewer->shown->mesh;
     const uint32_t i = viewer->view.picked;
     const ShownPatch *p = &mesh->patch[i];
+    const Rgb rho = snapshot_reflectance(viewer->shown, i);
     const double unit = viewer->options->unit_m;
     if (gui_panel("Patch", 8, y, width)) {
         if (viewer->options->solved) /* how often is not in its file */
@@ -192,58 +193,11 @@ static void patch_panel(const Viewer *viewer, double y, double width)
             row("patch", "%u, %s, divided %u times", i, p->side == 0 ? "front" : "back", p->level);
         row("group", "%.32s", mesh->group_name[p->group]);
         row("material", "%.32s", mesh->material_name[p->material]);
-        row("reflects", "%.3g %.3g %.3g", p->reflectance.r, p->reflectance.g, p->reflectance.b);
+        row("reflects", "%.3g %.3g %.3g", rho.r, rho.g, rho.b);
         row("area", "%.4g m2", p->area * unit * unit);
         row("at", "%.4g %.4g %.4g", viewer->picked_at.x, viewer->picked_at.y,
             viewer->picked_at.z);
         light_rows(viewer, i);
-    }
-    gui_panel_end();
-}
-
-/* Numbers beside the names keep apart what is called alike. */
-static void knob_sliders(Viewer *viewer, const ShownMesh *mesh, bool paint)
-{
-    Knobs *knobs = &viewer->control->knobs;
-    for (uint32_t k = 0; k < mesh->knob_count; k++) {
-        const Knob *knob = &mesh->knob[k];
-        char name[64];
-        double value = knobs_value(knobs, k);
-        if ((knob->kind == KNOB_PAINT) != paint)
-            continue;
-        snprintf(name, sizeof name, "%.16s##%u", knob->name[0] != '\0' ? knob->name : "-", k);
-        if (gui_slider(name, &value, 0, paint ? 1.5 : 4, "x %.2f", false))
-            knobs_turn(knobs, k, fmax(0, value));
-    }
-}
-
-static void reset_knobs(Knobs *knobs, uint32_t count)
-{
-    for (uint32_t k = 0; k < count; k++)
-        knobs_turn(knobs, k, 1);
-}
-
-/* Lamps and paint, where measuring is else. */
-static void knobs_panel(Viewer *viewer, double width, double gap)
-{
-    const ShownMesh *mesh = viewer->shown->mesh;
-    Knobs *knobs = &viewer->control->knobs;
-    if (gui_panel("Lamps and paint", viewer->view.width - width - gap, gap, width)) {
-        if (viewer->options->solved)
-            gui_dim("a solution cannot be changed");
-        else if (viewer->shown->step < STEP_SOLVED)
-            gui_dim("light follows once it is solved for");
-        gui_heading("Light");
-        knob_sliders(viewer, mesh, false);
-        gui_heading("Reflectance");
-        knob_sliders(viewer, mesh, true);
-        if (gui_button("As in the scene"))
-            reset_knobs(knobs, mesh->knob_count);
-        gui_same_line();
-        if (gui_button("Save changes")) {
-            atomic_store(&knobs->save, true);
-            viewer_say(viewer, "saved to SCENE-changes.json, which --changes reads");
-        }
     }
     gui_panel_end();
 }
@@ -275,7 +229,7 @@ void panels_draw(Viewer *viewer)
             patch_panel(viewer, y, width);
     }
     if (viewer->panels && viewer->changing && s != NULL)
-        knobs_panel(viewer, width, 8);
+        panels_change(viewer, width, 8);
     else if (viewer->panels)
         measuring_panel(viewer, scale);
     measuring_marks(viewer, scale);

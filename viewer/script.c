@@ -12,10 +12,14 @@
 #include "viewer/bindings.h"
 
 enum { NUMBERS = 4, WORD = 1024, LINE = 2048, DRAG_FRAMES = 8 };
+/* What is said follows what was done within a second or so of frames; no line stays that long. */
+static const double SAID_FRAMES = 1000;
 
 typedef enum {
-    DO_KEY, DO_HOLD, DO_MOVE, DO_CLICK, DO_DOUBLE, DO_DRAG, DO_WHEEL, DO_RESIZE, DO_WAIT_FRAMES,
-    DO_WAIT_STEP, DO_WAIT_PICTURE, DO_SCREENSHOT
+    DO_KEY, DO_HOLD, DO_MOVE, DO_CLICK, DO_DOUBLE, DO_DRAG, DO_WHEEL, DO_RESIZE, DO_SCALE,
+    DO_MINIMISE, DO_RESTORE, DO_LOSE_CONTEXT, DO_WAIT_FRAMES,
+    DO_WAIT_STEP, DO_WAIT_PICTURE, DO_WAIT_SETTLED,
+    DO_WAIT_SAID, DO_SCREENSHOT
 } What;
 
 typedef struct {
@@ -44,7 +48,9 @@ static const struct {
     { "key", "K", DO_KEY }, { "hold", "Kn", DO_HOLD }, { "move", "nn", DO_MOVE },
     { "click", "Bnn", DO_CLICK }, { "double", "Bnn", DO_DOUBLE }, { "drag", "Bnnnn", DO_DRAG },
     { "wheel", "n", DO_WHEEL }, { "resize", "nn", DO_RESIZE }, { "wait", "S", DO_WAIT_STEP },
-    { "screenshot", "F", DO_SCREENSHOT },
+    { "screenshot", "F", DO_SCREENSHOT }, { "scale", "n", DO_SCALE },
+    { "minimise", "", DO_MINIMISE }, { "restore", "", DO_RESTORE },
+    { "lose-context", "", DO_LOSE_CONTEXT },
 };
 
 static int index_of(const char *word, const char *const *names, int count)
@@ -55,8 +61,22 @@ static int index_of(const char *word, const char *const *names, int count)
     return -1;
 }
 
-/* "frames N" and "picture" make other commands of "wait". */
-static bool take_wait(Step *step, const char *word, char **rest)
+/* The rest of the line, for "said". */
+static bool take_text(Step *step, char **rest, Error *err)
+{
+    char *begin = *rest + strspn(*rest, " \t");
+    size_t length = strlen(begin);
+    while (length > 0 && (begin[length - 1] == ' ' || begin[length - 1] == '\t'))
+        length--;
+    begin[length] = '\0';
+    *rest = begin + length;
+    step->what = DO_WAIT_SAID;
+    step->text = length > 0 ? array_string(begin, err) : NULL;
+    return step->text != NULL;
+}
+
+/* "frames N", "picture", "settled" and "said TEXT" make other commands of "wait". */
+static bool take_wait(Step *step, const char *word, char **rest, Error *err)
 {
     static const char *const steps[] = { "reading", "lit", "shot", "linked", "solved" };
     if (strcmp(word, "frames") == 0) {
@@ -67,8 +87,10 @@ static bool take_wait(Step *step, const char *word, char **rest)
         *rest = end;
         return found;
     }
-    if (strcmp(word, "picture") == 0) {
-        step->what = DO_WAIT_PICTURE;
+    if (strcmp(word, "said") == 0)
+        return take_text(step, rest, err);
+    if (strcmp(word, "picture") == 0 || strcmp(word, "settled") == 0) {
+        step->what = word[0] == 'p' ? DO_WAIT_PICTURE : DO_WAIT_SETTLED;
         return true;
     }
     step->code = index_of(word, steps, (int)(sizeof steps / sizeof *steps));
@@ -91,7 +113,7 @@ static bool take_word(Step *step, char kind, int *numbers, char **rest, Error *e
         step->code = index_of(word + (step->mods != 0 ? 6 : 0), buttons, BUTTON_COUNT);
         return step->code >= 0;
     case 'S':
-        return take_wait(step, word, rest);
+        return take_wait(step, word, rest, err);
     case 'F':
         step->text = array_string(word, err);
         return step->text != NULL;
@@ -224,10 +246,23 @@ static bool carry_out(const Step *step, double frame, const ScriptState *state, 
     case DO_RESIZE:
         window_resize(window, (int)step->number[0], (int)step->number[1]);
         return true;
+    case DO_SCALE:
+        window_set_scale(window, step->number[0]);
+        return true;
+    case DO_MINIMISE:
+    case DO_RESTORE:
+        window_minimise(window, step->what == DO_MINIMISE);
+        return true;
+    case DO_LOSE_CONTEXT:
+        return frame >= 1;
     case DO_WAIT_FRAMES:
         return frame >= step->number[0];
     case DO_WAIT_STEP:
         return (int)state->step >= step->code;
+    case DO_WAIT_SAID:
+        return strstr(state->notice, step->text) != NULL;
+    case DO_WAIT_SETTLED:
+        return state->settled;
     case DO_WAIT_PICTURE:
         return state->picture == EASEL_DONE;
     case DO_SCREENSHOT:
@@ -236,11 +271,18 @@ static bool carry_out(const Step *step, double frame, const ScriptState *state, 
     return true;
 }
 
-static bool never_comes(const Step *step, const ScriptState *state)
+static bool never_comes(const Step *step, double frame, const ScriptState *state)
 {
+    if (step->what == DO_WAIT_SAID)
+        return frame > SAID_FRAMES;
     if (step->what == DO_WAIT_PICTURE)
         return state->picture == EASEL_EMPTY || state->picture == EASEL_FAILED;
     return step->what == DO_WAIT_STEP && state->finished && (int)state->step < step->code;
+}
+
+bool script_loses_context(const Script *script)
+{
+    return script->at < script->count && script->step[script->at].what == DO_LOSE_CONTEXT;
 }
 
 bool script_advance(Script *script, const ScriptState *state, Window *window,
@@ -250,7 +292,7 @@ bool script_advance(Script *script, const ScriptState *state, Window *window,
     *screenshot = NULL;
     while (script->at < script->count) {
         const Step *step = &script->step[script->at];
-        if (never_comes(step, state))
+        if (never_comes(step, script->frame, state))
             return error_at(err, ERROR_FAILED, script->path, step->line,
                             "what it waits for does not come");
         if (step->what == DO_SCREENSHOT && script->frame == 0)

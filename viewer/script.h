@@ -9,8 +9,13 @@
  *   drag BUTTON X Y X2 Y2    over some frames
  *   wheel N                  steps, away from you
  *   resize W H
+ *   scale X                  as if the screen's scale were that: 1, 1.5, 2
+ *   minimise | restore
+ *   lose-context             as if the graphics card had lost all it held
  *   wait frames N | wait lit | wait shot | wait linked | wait solved
  *   wait picture             until the one that R asked for is finished
+ *   wait settled             until light has followed all that was changed
+ *   wait said TEXT           until the window says a line with that in it
  *   screenshot FILE          PNG of the next frame
  */
 #ifndef VIEWER_SCRIPT_H
@@ -30,12 +35,17 @@ Script *script_destroy(Script *script);
 typedef struct {
     ShownStep step;         /* of what is shown */
     bool      finished;     /* the solver has ended: nothing more is to come */
+    bool      settled;      /* light is solved for as lamps and paint are now */
     EaselState picture;
+    const char *notice;     /* the line that is shown last; "": none */
 } ScriptState;
 
 /* Does what is due before this frame. *screenshot: the name of a PNG to make of it, or NULL.
  * Returns false when the script is through. fails  false; a step that will never come. */
 bool script_advance(Script *script, const ScriptState *state, Window *window,
                     const char **screenshot, Error *err);
+
+/* Whether the context is to be lost in this frame. */
+bool script_loses_context(const Script *script);
 
 #endif

@@ -57,6 +57,20 @@ Snapshot *snapshot_create(ShownMesh *mesh, const Patches *patches, const double 
     return error_is_set(err) ? snapshot_destroy(s) : s;
 }
 
+Rgb snapshot_reflectance(const Snapshot *snapshot, uint32_t patch)
+{
+    assert(patch < snapshot->mesh->patch_count);
+    if (snapshot->reflectance == NULL)
+        return snapshot->mesh->patch[patch].reflectance;
+    const float *v = snapshot->reflectance + BANDS * (size_t)patch;
+    return rgb((double)v[0], (double)v[1], (double)v[2]);
+}
+
+const Light *snapshot_lights(const Snapshot *snapshot)
+{
+    return snapshot->light != NULL ? snapshot->light : snapshot->mesh->light;
+}
+
 Snapshot *snapshot_destroy(Snapshot *snapshot)
 {
     if (snapshot == NULL)
@@ -66,6 +80,8 @@ Snapshot *snapshot_destroy(Snapshot *snapshot)
     for (unsigned k = 0; k < LAYER_COUNT; k++)
         array_free(snapshot->layer[k]);
     array_free(snapshot->row_sum);
+    array_free(snapshot->reflectance);
+    array_free(snapshot->light);
     array_free(snapshot->ray);
     return array_free(snapshot);
 }

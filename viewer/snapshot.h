@@ -34,6 +34,8 @@ typedef struct {
     float     *vertex;              /* [3 * mesh->vertex_count]  radiosity, smoothed */
     float     *layer[LAYER_COUNT];  /* [3 * mesh->patch_count] each; NULL: not known now */
     float     *row_sum;             /* [patch_count]  of form factors as cast; NULL: not known */
+    float     *reflectance;         /* [3 * patch_count]; NULL: the mesh's own */
+    Light     *light;               /* [mesh->light_count]; NULL: the mesh's own */
     uint32_t   shooter;             /* patch that shot last, or PATCH_NONE */
     Vec3      *ray;                 /* [2 * ray_count]  ends of some of its rays */
     uint32_t   ray_count;
@@ -52,6 +54,9 @@ Snapshot *snapshot_create(ShownMesh *mesh, const Patches *patches, const double 
                           const double *radiosity, Error *err);
 /* Copies three bands per patch into a layer; fails  false; ERROR_MEMORY. */
 bool snapshot_layer(Snapshot *snapshot, Layer layer, const double *value, Error *err);
+/* What a patch reflects at that moment; point lights [mesh->light_count]. */
+Rgb snapshot_reflectance(const Snapshot *snapshot, uint32_t patch);
+const Light *snapshot_lights(const Snapshot *snapshot);
 /* Frees; NULL is allowed. Always returns NULL. */
 Snapshot *snapshot_destroy(Snapshot *snapshot);
 

@@ -46,7 +46,8 @@ static void add_pixel(const Still *still, size_t at, const Hit *hit, uint32_t pa
     Image *image = still->image;
     const ShownPatch *p = &s->mesh->patch[patch];
     const float *direct = s->layer[LAYER_DIRECT], *received = s->layer[LAYER_IRRADIANCE];
-    const double albedo[3] = { p->reflectance.r, p->reflectance.g, p->reflectance.b };
+    const Rgb rho = snapshot_reflectance(s, patch);
+    const double albedo[3] = { rho.r, rho.g, rho.b };
     double radiance[3], first[3] = { 0 }, later[3] = { 0 }, arriving[3] = { 0 };
     radiance_at(still, hit, patch, radiance);
     for (unsigned k = 0; k < 3; k++) {

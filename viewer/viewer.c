@@ -32,19 +32,12 @@ static bool open_viewer(Viewer *viewer, Error *err)
             return false;
     }
     viewer->window = window_create(title, options->width, options->height, err);
-    viewer->gl = viewer->window != NULL ? gl_create(err) : NULL;
-    if (viewer->gl == NULL)
-        return false;
-    if (!gui_create(window_scale(viewer->window)))
-        return error_set(err, ERROR_FAILED, "no window: OpenGL does not do for the panels");
-    return true;
+    return viewer->window != NULL && renew_open(viewer, err);
 }
 
-static void close_viewer(Viewer *viewer, bool opened)
+static void close_viewer(Viewer *viewer)
 {
-    if (opened)
-        gui_destroy();
-    gl_destroy(viewer->gl);
+    renew_leave(viewer);
     measuring_clear(&viewer->measuring);
     snapshot_destroy(viewer->shown);
     script_destroy(viewer->script);
@@ -140,11 +133,14 @@ static bool run_script(Viewer *viewer, Error *err)
         .step = viewer->shown != NULL ? viewer->shown->step : STEP_READING,
         .finished = atomic_load(&viewer->control->finished),
         .picture = easel_state(&viewer->control->easel, NULL, NULL),
+        .notice = viewer->notice,
+        .settled = viewer->settled,
     };
     if (viewer->script == NULL)
         return true;
     if (!script_advance(viewer->script, &state, viewer->window, &screenshot, err))
         viewer->close = true;
+    viewer->lose_context = script_loses_context(viewer->script);
     if (screenshot != NULL)
         snprintf(viewer->screenshot, sizeof viewer->screenshot, "%s", screenshot);
     return !error_is_set(err);
@@ -162,6 +158,8 @@ static bool one_frame(Viewer *viewer, Error *err)
 {
     const ViewerOptions *options = viewer->options;
     window_wait(viewer->window, patience(viewer));
+    const Knobs *knobs = &viewer->control->knobs;
+    viewer->settled = atomic_load(&knobs->settled) == atomic_load(&knobs->version);
     if (!take_new(viewer, err) || !run_script(viewer, err))
         return false;
     handle_events(viewer);
@@ -175,14 +173,17 @@ static bool one_frame(Viewer *viewer, Error *err)
     const bool due = window_time() - viewer->last_frame >= LEAST_SECONDS;
     if (!due && !viewer->close && viewer->script == NULL && options->rate <= 0)
         return true;
+    if (!renew_if_lost(viewer, err))
+        return false;
     draw_frame(viewer);
     if (viewer->screenshot[0] != '\0')
-        files_save_frame(viewer, viewer->screenshot);
+        files_save_frame(viewer, viewer->screenshot, viewer->by_key);
+    viewer->by_key = false;
     viewer->screenshot[0] = '\0';
     if (options->frames > 0 && viewer->frame >= options->frames)
         viewer->close = true;
     if (viewer->close && options->screenshot != NULL)
-        files_save_frame(viewer, options->screenshot);
+        files_save_frame(viewer, options->screenshot, false);
     window_show(viewer->window);
     return true;
 }
@@ -201,6 +202,6 @@ bool viewer_run(const ViewerOptions *options, Mailbox *mailbox, Control *control
     while (opened && !viewer.close && !error_is_set(err) && !atomic_load(&control->failed))
         one_frame(&viewer, err);
     atomic_store(&control->quit, true);
-    close_viewer(&viewer, opened);
+    close_viewer(&viewer);
     return !error_is_set(err);
 }

@@ -5,6 +5,7 @@
 #include <GLFW/glfw3.h>
 #include <assert.h>
 #include <math.h>
+#include <stdio.h>
 
 #include "base/array.h"
 #include "viewer/bindings.h"
@@ -19,6 +20,8 @@ struct Window {
     Event      *queue;     /* [head, count) wait */
     size_t      head, count, capacity;
     double      x, y;      /* pointer */
+    double      scale;     /* a script's; 0: the screen's */
+    char        title[512];
 };
 
 void window_push(Window *window, const Event *event)
@@ -90,6 +93,13 @@ static void on_close(GLFWwindow *handle)
     window_push(glfwGetWindowUserPointer(handle), &(Event){ .kind = EVENT_CLOSE });
 }
 
+/* The window was moved to a screen of another scale, or its screen got another. */
+static void on_scale(GLFWwindow *handle, float x, float y)
+{
+    (void)x, (void)y;
+    window_push(glfwGetWindowUserPointer(handle), &(Event){ .kind = EVENT_SCALE });
+}
+
 /* --- life ------------------------------------------------------------------------------------- */
 
 static bool fail(const char *what, Error *err)
@@ -100,25 +110,19 @@ static bool fail(const char *what, Error *err)
                      text != NULL ? text : "");
 }
 
-Window *window_create(const char *title, int width, int height, Error *err)
+/* A window with its context; events come to `window`. */
+static bool open_handle(Window *window, int width, int height, Error *err)
 {
-    assert(title != NULL && width > 0 && height > 0);
-    Window *window = array_create(1, sizeof *window, "window", err);
-    if (window == NULL)
-        return NULL;
-    if (!glfwInit()) {
-        fail("no window: no screen to open it on", err);
-        return array_free(window);
-    }
+    glfwDefaultWindowHints();
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-    window->handle = glfwCreateWindow(width, height, title, NULL, NULL);
-    if (window->handle == NULL) {
-        fail("no window with OpenGL 3.3", err);
-        return window_destroy(window);
-    }
+    /* So that a context that is lost can be told from one that draws nothing. */
+    glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);
+    window->handle = glfwCreateWindow(width, height, window->title, NULL, NULL);
+    if (window->handle == NULL)
+        return fail("no window with OpenGL 3.3", err);
     glfwMakeContextCurrent(window->handle);
     glfwSwapInterval(0); /* the loop has its own pace, and the solver needs the processor */
     glfwSetWindowUserPointer(window->handle, window);
@@ -128,7 +132,35 @@ Window *window_create(const char *title, int width, int height, Error *err)
     glfwSetCursorPosCallback(window->handle, on_move);
     glfwSetScrollCallback(window->handle, on_wheel);
     glfwSetWindowCloseCallback(window->handle, on_close);
-    return window;
+    glfwSetWindowContentScaleCallback(window->handle, on_scale);
+    return true;
+}
+
+Window *window_create(const char *title, int width, int height, Error *err)
+{
+    assert(title != NULL && width > 0 && height > 0);
+    Window *window = array_create(1, sizeof *window, "window", err);
+    if (window == NULL)
+        return NULL;
+    snprintf(window->title, sizeof window->title, "%s", title);
+    if (!glfwInit()) {
+        fail("no window: no screen to open it on", err);
+        return array_free(window);
+    }
+    return open_handle(window, width, height, err) ? window : window_destroy(window);
+}
+
+bool window_renew(Window *window, Error *err)
+{
+    int width = 0, height = 0, x = 0, y = 0;
+    glfwGetWindowSize(window->handle, &width, &height);
+    glfwGetWindowPos(window->handle, &x, &y);
+    glfwDestroyWindow(window->handle);
+    window->handle = NULL;
+    if (!open_handle(window, width > 0 ? width : 1, height > 0 ? height : 1, err))
+        return false;
+    glfwSetWindowPos(window->handle, x, y);
+    return true;
 }
 
 Window *window_destroy(Window *window)
@@ -159,15 +191,28 @@ void window_size(const Window *window, int *width, int *height)
 
 void window_resize(Window *window, int width, int height)
 {
-    assert(width > 0 && height > 0);
-    glfwSetWindowSize(window->handle, width, height);
+    glfwSetWindowSize(window->handle, width > 0 ? width : 1, height > 0 ? height : 1);
+}
+
+void window_minimise(Window *window, bool away)
+{
+    if (away)
+        glfwIconifyWindow(window->handle);
+    else
+        glfwRestoreWindow(window->handle);
 }
 
 double window_scale(const Window *window)
 {
     float x = 1, y = 1;
     glfwGetWindowContentScale(window->handle, &x, &y);
-    return fmin(4, fmax(0.5, x));
+    return fmin(4, fmax(0.5, window->scale > 0 ? window->scale : (double)x));
+}
+
+void window_set_scale(Window *window, double scale)
+{
+    window->scale = scale;
+    window_push(window, &(Event){ .kind = EVENT_SCALE });
 }
 
 void window_show(Window *window) { glfwSwapBuffers(window->handle); }

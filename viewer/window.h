@@ -12,7 +12,8 @@
 #include "base/error.h"
 
 typedef enum {
-    EVENT_KEY, EVENT_CHARACTER, EVENT_BUTTON, EVENT_MOVE, EVENT_WHEEL, EVENT_CLOSE
+    EVENT_KEY, EVENT_CHARACTER, EVENT_BUTTON, EVENT_MOVE, EVENT_WHEEL, EVENT_CLOSE,
+    EVENT_SCALE /* window_scale is another */
 } EventKind;
 
 enum { BUTTON_LEFT, BUTTON_RIGHT, BUTTON_MIDDLE, BUTTON_COUNT };
@@ -32,6 +33,9 @@ typedef struct Window Window;
  * fails  NULL; ERROR_FAILED with one line when there is no screen or no such OpenGL. */
 Window *window_create(const char *title, int width, int height, Error *err);
 Window *window_destroy(Window *window);
+/* A new window in its place, with a new context that holds nothing yet; events stay.
+ * fails  false; ERROR_FAILED. */
+bool window_renew(Window *window, Error *err);
 /* Collects events, for `seconds` at most when there are none. */
 void window_wait(Window *window, double seconds);
 /* The next event, in order; false: no more. */
@@ -40,9 +44,12 @@ bool window_next(Window *window, Event *event);
 void window_push(Window *window, const Event *event);
 /* Pixels; 0 x 0 while minimised. */
 void window_size(const Window *window, int *width, int *height);
-void window_resize(Window *window, int width, int height);
+void window_resize(Window *window, int width, int height); /* at least 1 x 1 */
+void window_minimise(Window *window, bool away);
 /* Pixels of the picture for one of text on a plain screen. */
 double window_scale(const Window *window);
+/* For scripts: as if the screen's scale were that. */
+void window_set_scale(Window *window, double scale);
 /* Shows what was drawn. */
 void window_show(Window *window);
 /* Seconds since the window opened. */

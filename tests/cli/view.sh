@@ -75,8 +75,76 @@ wait solved
 END
 ok "pause, steps, from the beginning" exits 0 view "$cube" --script "$DIR/steps.txt" "${small[@]}"
 
+# --- what happens to windows ----------------------------------------------------------------------
+
+cat >"$DIR/lost.txt" <<END
+wait solved
+wait frames 2
+screenshot $DIR/plain.png
+lose-context
+screenshot $DIR/plain-2.png
+key C
+wait frames 2
+screenshot $DIR/false.png
+lose-context
+lose-context
+screenshot $DIR/false-2.png
+key C
+key R
+wait picture
+wait frames 2
+screenshot $DIR/gathered.png
+lose-context
+screenshot $DIR/gathered-2.png
+END
+ok "a lost context" exits 0 view "$cube" --script "$DIR/lost.txt" --spp 1 --no-panels "${small[@]}"
+for name in plain false gathered; do
+    ok "nothing is lost with it: $name" cmp "$DIR/$name.png" "$DIR/$name-2.png"
+done
+ok "they are three" eval '! cmp -s "$DIR/plain.png" "$DIR/false.png" &&
+    ! cmp -s "$DIR/plain.png" "$DIR/gathered.png"'
+cat >"$DIR/sizes.txt" <<END
+wait lit
+resize 0 0
+wait frames 3
+scale 2
+wait frames 2
+resize 1 500
+wait frames 2
+minimise
+key M
+wait frames 3
+resize 400 300
+restore
+wait solved
+scale 1
+wait frames 2
+lose-context
+wait frames 2
+END
+ok "sizes, scales, minimised" exits 0 view "$cube" --script "$DIR/sizes.txt" "${small[@]}"
+
 printf 'wait lit\ndance\n' >"$DIR/wrong.txt"
 ok "a wrong line" fails 3 "wrong.txt:2: what is 'dance'" view "$cube" --script "$DIR/wrong.txt" \
     "${small[@]}"
+# A screen that has no OpenGL.
+no_opengl() {
+    local code
+    rm -f "$DIR/display"
+    Xvfb -displayfd 3 -screen 0 200x200x24 -extension GLX -nolisten tcp 3>"$DIR/display" \
+        2>/dev/null &
+    local other=$!
+    for ((i = 0; i < 300; i++)); do
+        [ -s "$DIR/display" ] && break
+        sleep 0.1
+    done
+    DISPLAY=:$(cat "$DIR/display") fails 1 'no window with OpenGL 3.3' view "$cube" --frames 2 \
+        "${small[@]}"
+    code=$?
+    kill "$other"
+    wait "$other" 2>/dev/null
+    return "$code"
+}
+ok "no OpenGL" no_opengl
 ok "no script" fails 3 'cannot be read' view "$cube" --script "$DIR/no.txt" "${small[@]}"
 finish
