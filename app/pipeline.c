@@ -9,6 +9,7 @@
 #include "app/pipeline_adapt.h"
 #include "app/pipeline_copies.h"
 #include "app/pipeline_relight.h"
+#include "app/pipeline_clusters.h"
 #include "app/pipeline_stochastic.h"
 #include "app/pipeline_groups.h"
 #include "app/saving.h"
@@ -390,7 +391,9 @@ static void set_energy(Pipeline *pipeline)
                         gone[band], e);
         if (pipeline->session->settings.stochastic) {
             /* What rays counted, not what the escaped shares of patches say. */
-            e->escaped = gone[band] + pipeline->stochastic.escaped[band];
+            e->escaped = gone[band] + (pipeline->session->settings.clusters
+                                           ? pipeline->clusters.escaped[band]
+                                           : pipeline->stochastic.escaped[band]);
             e->error = e->emitted > 0
                            ? fabs(e->emitted - e->absorbed - e->escaped) / e->emitted : 0;
         }
@@ -448,8 +451,9 @@ bool pipeline_solve(Pipeline *pipeline, Error *err)
     const bool groups = session->options.light_groups && !(solved && !changes_dim(pipeline));
     if (groups && !pipeline_light_groups(pipeline, err))
         return false;
-    if (!solved && !(session->settings.stochastic ? pipeline_stochastic_solve(pipeline, err)
-                                                  : run_solver(pipeline, err)))
+    if (!solved && !(session->settings.clusters     ? pipeline_clusters_solve(pipeline, err)
+                     : session->settings.stochastic ? pipeline_stochastic_solve(pipeline, err)
+                                                    : run_solver(pipeline, err)))
         return false;
     if (pipeline->changes.count > 0 && !pipeline_relight(pipeline, solved, err))
         return false;

@@ -9,6 +9,7 @@
 #include "app/relit.h"
 #include "app/session.h"
 #include "inspect/imprint.h"
+#include "radiosity/clusters.h"
 #include "radiosity/direct.h"
 #include "radiosity/group_factors.h"
 #include "radiosity/links.h"
@@ -80,6 +81,7 @@ typedef struct Pipeline {
     Links       *raw_links;         /* as cast; factors alone keeps them, else NULL */
     OpenPlaces   places;            /* of the stochastic solver: its links are those above */
     StochasticReport stochastic;    /* of its solution */
+    ClustersReport clusters;        /* of that of the hierarchical solver, which has places too */
     AdaptReport  adapt;
     double       factors_seconds;   /* casting alone, without closure */
     Direct       direct;

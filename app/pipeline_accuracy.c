@@ -33,9 +33,10 @@ bool pipeline_accuracy_allowed(const Options *options, Error *err)
                                         OPTION_TRACE, OPTION_COMPARE };
     if (!options_given(options, OPTION_ACCURACY) || options->command == COMMAND_FACTORS)
         return true;
-    if (options->solver == SOLVER_COUNT)
-        return error_set(err, ERROR_USAGE, "--accuracy needs a solver with links, not --solver "
-                         "stochastic");
+    if (options->solver == SOLVER_COUNT || options->solver == SOLVER_HIERARCHICAL)
+        return error_set(err, ERROR_USAGE, "--accuracy needs a solver with factors of patches, not "
+                         "--solver %s", options->solver == SOLVER_COUNT ? "stochastic"
+                                                                        : "hierarchical");
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
         if (options_given(options, refused[i]))
             return error_set(err, ERROR_USAGE, "--accuracy casts factors several times; %s does "

@@ -50,8 +50,9 @@ bool pipeline_stochastic_places(Pipeline *pipeline, Error *err)
     assert(session->settings.stochastic && pipeline->links == NULL);
     for (size_t k = 0; k < sizeof needs_links / sizeof *needs_links; k++)
         if (options_given(&session->options, needs_links[k]))
-            return error_set(err, ERROR_USAGE, "%s: not with --solver stochastic",
-                             options_table()[needs_links[k]].name);
+            return error_set(err, ERROR_USAGE, "%s: not with --solver %s",
+                             options_table()[needs_links[k]].name,
+                             session->settings.clusters ? "hierarchical" : "stochastic");
     pipeline_begin(pipeline, STAGE_FACTORS);
     do {
         open_places_find(&pipeline->room, session->settings.seed, session->settings.threads,

@@ -121,6 +121,8 @@ Settings quality_settings(const Options *options)
         s.stochastic = true;
         s.solver = SOLVER_GAUSS_SEIDEL;
     }
+    s.clusters = options->solver == SOLVER_HIERARCHICAL;
+    s.stochastic = s.stochastic || s.clusters;
     if (options->patches > 0)
         s.patches = options->patches;
     if (options->patch_size > 0) {
@@ -208,7 +210,8 @@ void quality_print(FILE *out, const Options *options, const Settings *s)
     print_value(out, options, OPTION_ACCURACY, s->accuracy);
     print_choice(out, options, OPTION_CLOSURE, (int)s->closure);
     print_choice(out, options, OPTION_STORAGE, options->storage);
-    print_choice(out, options, OPTION_SOLVER, s->stochastic ? SOLVER_COUNT : (int)s->solver);
+    print_choice(out, options, OPTION_SOLVER, s->stochastic && !s->clusters ? SOLVER_COUNT
+                                                                              : (int)s->solver);
     print_value(out, options, OPTION_TOLERANCE, s->tolerance);
     print_value(out, options, OPTION_MAX_ITERATIONS, s->max_iterations);
     print_value(out, options, OPTION_SPP, s->spp);

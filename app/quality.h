@@ -25,6 +25,7 @@ typedef struct {
     Closure  closure;
     Solver   solver;
     bool     stochastic;     /* in its place, without links */
+    bool     clusters;       /* instead of that, over links between clusters; then both are true */
     double   tolerance;
     uint32_t max_iterations; /* 0: no limit */
     uint32_t spp;

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "app/pipeline_clusters.h"
 #include "base/file.h"
 
 /* --- JSON ------------------------------------------------------------------------------------- */
@@ -199,19 +200,33 @@ static void put_factors(Json *json, const Pipeline *pipeline)
     json_close(json, '}');
 }
 
+static void put_clusters(Json *json, const ClustersReport *r)
+{
+    json_number(json, "estimated_error", r->error);
+    json_count(json, "rays", r->rays);
+    json_count(json, "links", r->links);
+    json_count(json, "nodes", r->nodes);
+    json_count(json, "rounds", r->rounds);
+    json_count(json, "bytes", r->bytes);
+    json_number(json, "rows_lacked", r->rows);
+}
+
 static void put_solve(Json *json, const Pipeline *pipeline)
 {
     const Solution *solution = pipeline->solution;
     double v[4][ROOM_BANDS];
     json_open(json, "solve", '{');
     const bool stochastic = pipeline->session->settings.stochastic;
-    json_text(json, "solver", stochastic ? "stochastic"
-                                         : solver_name(pipeline->session->settings.solver));
+    const bool clusters = pipeline->session->settings.clusters;
+    json_text(json, "solver", stochastic && !clusters
+                                  ? "stochastic" : solver_name(pipeline->session->settings.solver));
     json_count(json, "iterations", solution->iterations);
     json_number(json, "residual", solution->residual);
     json_number(json, "unshot", solution->unshot);
     json_number(json, "error_bound", solution->error_bound);
-    if (stochastic) {
+    if (clusters)
+        put_clusters(json, &pipeline->clusters);
+    else if (stochastic) {
         json_number(json, "estimated_error", pipeline->stochastic.error);
         json_numbers(json, "balance_scale", pipeline->stochastic.scale, ROOM_BANDS);
         json_count(json, "rays", pipeline->stochastic.rays);
@@ -461,7 +476,9 @@ static void print_light(const Pipeline *pipeline)
     char bound[48] = "";
     if (isfinite(solution->error_bound))
         snprintf(bound, sizeof bound, ", error below %.2g", solution->error_bound);
-    if (pipeline->session->settings.stochastic)
+    if (pipeline->session->settings.clusters)
+        pipeline_clusters_print(pipeline);
+    else if (pipeline->session->settings.stochastic)
         print_stochastic(pipeline);
     else
         session_say(pipeline->session, "  solve    %s, %u iterations, residual %.2g%s%s, %.2f s",

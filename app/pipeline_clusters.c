@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Light over links between clusters of patches. */
+#include "app/pipeline_clusters.h"
+
+#include <assert.h>
+
+#include "app/progress.h"
+#include "app/trace.h"
+
+/* What links may take of --max-memory, less what is in use. */
+static uint64_t memory_left(const Session *session)
+{
+    const uint64_t limit = session->options.max_memory, used = progress_peak_bytes();
+    return limit == 0 ? 0 : limit > used ? limit - used : 1;
+}
+
+bool pipeline_clusters_solve(Pipeline *pipeline, Error *err)
+{
+    Session *session = pipeline->session;
+    const Settings *settings = &session->settings;
+    Trace trace;
+    assert(settings->clusters);
+    if (!trace_begin(&trace, session->options.trace, pipeline->links->rays, err))
+        return false;
+    const bool given = options_given(&session->options, OPTION_TOLERANCE);
+    const ClustersOptions options = { .tolerance = given ? settings->tolerance : 0,
+                                      .rays = settings->rays, .gather = settings->rays,
+                                      .sights = settings->lamp_rays, .seed = settings->seed,
+                                      .threads = settings->threads,
+                                      .memory = memory_left(session), .trace_user = &trace,
+                                      .trace = trace.file != NULL ? trace_step : NULL };
+    pipeline->solution = clusters_solve(&pipeline->room, &pipeline->places, &pipeline->problem,
+                                        &options, &pipeline->clusters, &session->monitor, err);
+    return trace_finish(&trace, err) && pipeline->solution != NULL;
+}
+
+void pipeline_clusters_print(const Pipeline *pipeline)
+{
+    const ClustersReport *r = &pipeline->clusters;
+    session_say(pipeline->session, "  solve    hierarchical, %u rounds, %.3g links between %u "
+                "nodes (%.3g MB), %.3g rays, irradiance off by %.2g %% (rms, estimated)%s, %.2f s",
+                r->rounds, (double)r->links, r->nodes, 1e-6 * (double)r->bytes, (double)r->rays,
+                100 * r->error,
+                pipeline->solution->converged ? "" : r->full ? ": more --max-memory is needed"
+                                                             : ": more --rays are needed",
+                pipeline->seconds[STAGE_SOLVE]);
+    if (r->gathered)
+        session_say(pipeline->session, "           last reflection by %.3g rays, noise %.2g %%",
+                    (double)r->gather_rays, 100 * r->noise);
+    session_say(pipeline->session, "           rows of links lacked %.2g %% (rms) before they were "
+                "closed", 100 * r->rows);
+}
