@@ -4,6 +4,7 @@
 #define RAYCAST_LANES_H
 
 #include <immintrin.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #define LANES 8u
@@ -68,6 +69,31 @@ LANES_INLINE float floats_most(Floats a)
     return _mm_cvtss_f32(_mm_max_ss(m, _mm_shuffle_ps(m, m, 1)));
 }
 
+/* The least or most of a, of b, of c and of d. */
+LANES_INLINE __m128 floats_four(Floats a, Floats b, Floats c, Floats d, bool most)
+{
+    const Floats x[2] = { _mm256_unpacklo_ps(a, b), _mm256_unpacklo_ps(c, d) };
+    const Floats y[2] = { _mm256_unpackhi_ps(a, b), _mm256_unpackhi_ps(c, d) };
+    const Floats u = most ? floats_max(x[0], y[0]) : floats_min(x[0], y[0]);
+    const Floats v = most ? floats_max(x[1], y[1]) : floats_min(x[1], y[1]);
+    const Floats s = _mm256_shuffle_ps(u, v, 0x44), t = _mm256_shuffle_ps(u, v, 0xee);
+    const Floats w = most ? floats_max(s, t) : floats_min(s, t);
+    const __m128 p = _mm256_castps256_ps128(w), q = _mm256_extractf128_ps(w, 1);
+    return most ? _mm_max_ps(p, q) : _mm_min_ps(p, q);
+}
+/* a, once for every four lanes. */
+LANES_INLINE Floats floats_repeat(__m128 a)
+{
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(a), a, 1);
+}
+/* Each number of a four times, from number `first` on. */
+LANES_INLINE Floats floats_stretch(__m128 a, int first)
+{
+    const Words at = _mm256_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1);
+    return _mm256_permutevar8x32_ps(_mm256_castps128_ps256(a),
+                                    _mm256_add_epi32(at, _mm256_set1_epi32(first)));
+}
+
 LANES_INLINE Words words_all(uint32_t x) { return _mm256_set1_epi32((int)x); }
 LANES_INLINE Words words_load(const uint32_t *p) { return _mm256_load_si256((const Words *)p); }
 LANES_INLINE void words_store(uint32_t *p, Words a) { _mm256_store_si256((Words *)p, a); }
@@ -80,6 +106,10 @@ LANES_INLINE unsigned words_less(Words a, Words b)
     const Words top = _mm256_set1_epi32(INT32_MIN); /* there is only a signed comparison */
     const Words less = _mm256_cmpgt_epi32(_mm256_xor_si256(b, top), _mm256_xor_si256(a, top));
     return floats_signs(_mm256_castsi256_ps(less));
+}
+LANES_INLINE unsigned words_equal(Words a, Words b)
+{
+    return floats_signs(_mm256_castsi256_ps(_mm256_cmpeq_epi32(a, b)));
 }
 
 LANES_INLINE Doubles doubles_all(double x) { return _mm256_set1_pd(x); }

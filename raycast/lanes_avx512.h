@@ -4,6 +4,7 @@
 #define RAYCAST_LANES_H
 
 #include <immintrin.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #define LANES 16u
@@ -52,6 +53,30 @@ LANES_INLINE unsigned floats_signs(Floats a)
 LANES_INLINE float floats_least(Floats a) { return _mm512_reduce_min_ps(a); }
 LANES_INLINE float floats_most(Floats a) { return _mm512_reduce_max_ps(a); }
 
+/* The least or most of a, of b, of c and of d. */
+LANES_INLINE __m128 floats_four(Floats a, Floats b, Floats c, Floats d, bool most)
+{
+    const Floats x[2] = { _mm512_unpacklo_ps(a, b), _mm512_unpacklo_ps(c, d) };
+    const Floats y[2] = { _mm512_unpackhi_ps(a, b), _mm512_unpackhi_ps(c, d) };
+    const Floats u = most ? floats_max(x[0], y[0]) : floats_min(x[0], y[0]);
+    const Floats v = most ? floats_max(x[1], y[1]) : floats_min(x[1], y[1]);
+    const Floats s = _mm512_shuffle_ps(u, v, 0x44), t = _mm512_shuffle_ps(u, v, 0xee);
+    const Floats w = most ? floats_max(s, t) : floats_min(s, t);
+    const __m256 low = _mm512_castps512_ps256(w), high = _mm512_extractf32x8_ps(w, 1);
+    const __m256 r = most ? _mm256_max_ps(low, high) : _mm256_min_ps(low, high);
+    const __m128 p = _mm256_castps256_ps128(r), q = _mm256_extractf128_ps(r, 1);
+    return most ? _mm_max_ps(p, q) : _mm_min_ps(p, q);
+}
+/* a, once for every four lanes. */
+LANES_INLINE Floats floats_repeat(__m128 a) { return _mm512_broadcast_f32x4(a); }
+/* Each number of a four times, from number `first` on. */
+LANES_INLINE Floats floats_stretch(__m128 a, int first)
+{
+    const Words at = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+    return _mm512_permutexvar_ps(_mm512_add_epi32(at, _mm512_set1_epi32(first)),
+                                 _mm512_castps128_ps512(a));
+}
+
 LANES_INLINE Words words_all(uint32_t x) { return _mm512_set1_epi32((int)x); }
 LANES_INLINE Words words_load(const uint32_t *p) { return _mm512_load_si512(p); }
 LANES_INLINE void words_store(uint32_t *p, Words a) { _mm512_store_si512(p, a); }
@@ -60,6 +85,7 @@ LANES_INLINE Words words_pick(unsigned mask, Words a, Words b)
     return _mm512_mask_mov_epi32(b, (__mmask16)mask, a);
 }
 LANES_INLINE unsigned words_less(Words a, Words b) { return _mm512_cmplt_epu32_mask(a, b); }
+LANES_INLINE unsigned words_equal(Words a, Words b) { return _mm512_cmpeq_epi32_mask(a, b); }
 
 LANES_INLINE Doubles doubles_all(double x) { return _mm512_set1_pd(x); }
 LANES_INLINE Doubles doubles_load(const double *p) { return _mm512_load_pd(p); }

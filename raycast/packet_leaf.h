@@ -54,14 +54,20 @@ typedef struct {
     Floats x[3], y[3], z[3];
 } Seen;
 
-/* What the float filter lets through is decided in double: probe_triangle, operation by operation.
- * Halves of the packet without candidates are left out. */
-LANES_INLINE void packet_decide(Packet *p, const Seen *s, unsigned lanes, uint32_t primitive,
-                                uint32_t place, bool any)
+/* What probe_triangle computes in double, operation by operation. */
+typedef struct {
+    Floats   t, u, v;
+    unsigned one_sign; /* lanes whose edge functions have not two signs */
+    unsigned back;     /* those whose sum is negative or 0 */
+} Solved;
+
+/* Halves of the packet without `lanes` are left out. */
+LANES_INLINE void packet_solve(Solved *out, const Seen *s, const Doubles inverse_z[2],
+                               unsigned lanes)
 {
     Doubles td[2], ud[2], vd[2];
-    unsigned one_sign = 0, back = 0;
     const Doubles zero = doubles_all(0);
+    out->one_sign = out->back = 0;
     for (int half = 0; half < 2; half++) {
         td[half] = ud[half] = vd[half] = zero;
         if ((lanes >> half * (int)(LANES / 2) & ((1u << LANES / 2) - 1)) == 0)
@@ -73,28 +79,37 @@ LANES_INLINE void packet_decide(Packet *p, const Seen *s, unsigned lanes, uint32
         const Doubles sum = a + b + c, scale = doubles_all(1) / sum;
         const unsigned sign = doubles_less_equal(zero, doubles_min(doubles_min(a, b), c))
                               | doubles_less_equal(doubles_max(doubles_max(a, b), c), zero);
-        one_sign |= sign << half * (int)(LANES / 2);
-        back |= doubles_less_equal(sum, zero) << half * (int)(LANES / 2);
+        out->one_sign |= sign << half * (int)(LANES / 2);
+        out->back |= doubles_less_equal(sum, zero) << half * (int)(LANES / 2);
         const Doubles depth = a * doubles_of(s->z[0], half) + b * doubles_of(s->z[1], half)
                               + c * doubles_of(s->z[2], half);
-        td[half] = depth * scale * p->inverse_z[half];
+        td[half] = depth * scale * inverse_z[half];
         ud[half] = b * scale;
         vd[half] = c * scale;
     }
-    const Floats t = floats_of(td[0], td[1]);
+    out->t = floats_of(td[0], td[1]);
+    out->u = floats_of(ud[0], ud[1]);
+    out->v = floats_of(vd[0], vd[1]);
+}
+
+/* What the float filter lets through is decided in double. */
+LANES_INLINE void packet_decide(Packet *p, const Seen *s, unsigned lanes, uint32_t primitive,
+                                uint32_t place, bool any)
+{
+    Solved at;
+    packet_solve(&at, s, p->inverse_z, lanes);
     /* Without area t is NaN and out of range. */
-    const unsigned ok = lanes & one_sign & floats_less(p->t_min, t)
-                        & floats_less_equal(t, p->limit);
+    const unsigned ok = lanes & at.one_sign & floats_less(p->t_min, at.t)
+                        & floats_less_equal(at.t, p->limit);
     if (ok == 0)
         return;
     if (any) {
-        const unsigned done = ok & floats_less(t, p->t);
+        const unsigned done = ok & floats_less(at.t, p->t);
         p->blocked |= done;
         p->limit = floats_pick(done, floats_all(-INFINITY), p->limit);
         return;
     }
-    packet_offer(p, ok, p->backward ? ~back : back, primitive, place, t, floats_of(ud[0], ud[1]),
-                 floats_of(vd[0], vd[1]));
+    packet_offer(p, ok, p->backward ? ~at.back : at.back, primitive, place, at.t, at.u, at.v);
 }
 
 LANES_INLINE void packet_triangle(Packet *p, const TriangleGroup *group, unsigned i,
@@ -185,6 +200,30 @@ LANES_INLINE void packet_leaf(Packet *p, const Bvh *bvh, uint32_t leaf, unsigned
         for (; left != 0; left &= left - 1)
             packet_triangle(p, group, (unsigned)__builtin_ctz(left), g * GROUP_WIDTH,
                             any ? lanes & ~p->blocked : lanes, any);
+    }
+}
+
+LANES_INLINE void packet_answers(Packet *p, const Bvh *bvh, const Bundle *b, unsigned lanes,
+                                 Hit *hit, const uint32_t *order)
+{
+    const unsigned found = p->front | p->back;
+    const Floats zero = floats_all(0);
+    const Words primitive = words_pick(found, words_without(p->key, BEST_BACK),
+                                       words_all(RAY_MISS));
+    float *out[LANES]; /* each a Hit */
+    for (unsigned i = 0; i < LANES; i++)
+        out[i] = (float *)(void *)&hit[order != NULL ? order[lanes >> i & 1 ? i : 0] : i];
+    floats_scatter(out, lanes, p->t, p->u + zero, p->v + zero,
+                   floats_bits(primitive));
+    unsigned open = lanes & p->back & floats_less_equal(p->facing_t, p->limit);
+    for (; __builtin_expect(open != 0, 0); open &= open - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(open);
+        const Best best = packet_best(p, i);
+        Probe probe;
+        probe_init(&probe, b->ray[i], bvh->lo, bvh->hi);
+        if (best_is_open(&best))
+            best_to_hit(&best, first_or_facing(bvh, b->ray[i], &probe, &best),
+                        &hit[order != NULL ? order[i] : i]);
     }
 }
 

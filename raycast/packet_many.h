@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-#include "raycast/team.h"
+#include "raycast/beam.h"
 
 /* --- many rays ------------------------------------------------------------------------------- */
 
@@ -49,29 +49,6 @@ LANES_INLINE unsigned bundle_fill(Bundle *b, const Ray *ray, size_t count)
                           & floats_less_equal(reach, floats_all(PROBE_COORDINATE_MAX))
                           & floats_less_equal(b->field[3], b->field[7]);
     return count < LANES ? good & ((1u << count) - 1) : good;
-}
-
-LANES_INLINE void packet_answers(Packet *p, const Bvh *bvh, const Bundle *b, unsigned lanes,
-                                 Hit *hit, const uint32_t *order)
-{
-    const unsigned found = p->front | p->back;
-    const Floats zero = floats_all(0);
-    const Words primitive = words_pick(found, words_without(p->key, BEST_BACK),
-                                       words_all(RAY_MISS));
-    Hit *out[LANES];
-    for (unsigned i = 0; i < LANES; i++)
-        out[i] = &hit[order != NULL ? order[lanes >> i & 1 ? i : 0] : i];
-    floats_scatter((float *const *)(void *)out, lanes, p->t, p->u + zero, p->v + zero,
-                   floats_bits(primitive));
-    unsigned open = lanes & p->back & floats_less_equal(p->facing_t, p->limit);
-    for (; __builtin_expect(open != 0, 0); open &= open - 1) {
-        const unsigned i = (unsigned)__builtin_ctz(open);
-        const Best best = packet_best(p, i);
-        Probe probe;
-        probe_init(&probe, b->ray[i], bvh->lo, bvh->hi);
-        if (best_is_open(&best))
-            best_to_hit(&best, first_or_facing(bvh, b->ray[i], &probe, &best), out[i]);
-    }
 }
 
 LANES_INLINE void packet_told(Packet *p, const Bvh *bvh, const Bundle *b, unsigned lanes,
@@ -131,6 +108,8 @@ LANES_INLINE bool team_some(const Bvh *bvh, const Ray *ray, const uint32_t *orde
             return false;
         t.lanes[i] = all;
     }
+    if (hit != NULL && bvh->shape_count == 0 && beam_takes(&t) && beam_some(&t, bvh, hit, order))
+        return true;
     for (unsigned i = 0; i < TEAM; i++)
         packet_init(&t.packet[i], bvh, &t.bundle[i]);
     packets_range(t.packet, t.lanes, TEAM, &t.range);

@@ -7,9 +7,10 @@
 
 /* --- nodes ----------------------------------------------------------------------------------- */
 
-/* Bits of the slots that any ray of the packet may reach, in the order of visits: bit 7 first. */
+/* Bits of the slots that any ray of the packet may reach, in the order of visits: bit 7 first.
+ * near[]: where they are entered at the earliest, slot by slot. */
 LANES_INLINE unsigned range_slots(const Range *p, unsigned octant, const Node *node,
-                                  float t_limit)
+                                  float t_limit, float near[NODE_WIDTH])
 {
     __m256 t0 = _mm256_set1_ps(p->t_min_least), t1 = _mm256_set1_ps(t_limit);
     for (unsigned k = 0; k < 3; k++) {
@@ -23,6 +24,7 @@ LANES_INLINE unsigned range_slots(const Range *p, unsigned octant, const Node *n
         t0 = _mm256_max_ps(t0, _mm256_min_ps(_mm256_mul_ps(a, from), _mm256_mul_ps(a, to)));
         t1 = _mm256_min_ps(t1, _mm256_max_ps(_mm256_mul_ps(b, from), _mm256_mul_ps(b, to)));
     }
+    _mm256_store_ps(near, t0);
     unsigned slots = (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(t0, t1, _CMP_LE_OQ));
     if (octant & 1)
         slots = (slots & 0xaa) >> 1 | (slots & 0x55) << 1;
@@ -45,7 +47,8 @@ LANES_INLINE void packet_push(const Packet *p, const Node *node, unsigned lanes,
 {
     const Floats outside = floats_all(NAN);
     const float most = floats_most(floats_pick(lanes, p->limit, floats_all(-INFINITY)));
-    unsigned slots = range_slots(&p->range, p->octant, node, most);
+    _Alignas(32) float all[NODE_WIDTH];
+    unsigned slots = range_slots(&p->range, p->octant, node, most, all);
     Floats inverse[3], near_add[3], far_add[3];
     for (int k = 0; k < 3; k++) {
         inverse[k] = p->inverse[k];

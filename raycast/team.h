@@ -34,7 +34,8 @@ LANES_INLINE void team_push(const Team *t, const Node *node, const unsigned lane
     Floats limit = floats_all(-INFINITY);
     for (unsigned i = 0; i < TEAM; i++)
         limit = floats_max(limit, floats_pick(lanes[i], t->packet[i].limit, limit));
-    unsigned slots = range_slots(&t->range, octant, node, floats_most(limit));
+    _Alignas(32) float all[NODE_WIDTH];
+    unsigned slots = range_slots(&t->range, octant, node, floats_most(limit), all);
     const unsigned nx = octant & 1, ny = octant >> 1 & 1, nz = octant >> 2 & 1;
     for (; slots != 0; slots &= slots - 1) {
         const unsigned s = (unsigned)__builtin_ctz(slots) ^ octant;
