@@ -20,6 +20,7 @@ static void say_comparison(Session *session, const Comparison *c)
     session_say(session, "  counted     %.1f %% of the pixels, smooth %.1f %%; mean luminance %.6g",
                 100 * c->counted, 100 * c->smooth, c->mean);
     session_say(session, "  all         %.3f %%    relative RMSE of luminance", 100 * c->all_error);
+    session_say(session, "  rmse        %.6g    the same, absolute", c->all_error * c->mean);
     session_say(session, "  smooth      %.3f %%    without silhouettes", 100 * c->smooth_error);
     session_say(session, "  block       %.3f %%    8 x 8 means", 100 * c->block_error);
     session_say(session, "  bias       %+.3f %%", 100 * c->bias);
@@ -42,6 +43,7 @@ static bool write_json(const Session *session, const Comparison *c, Error *err)
     json_number(json, "counted", c->counted);
     json_number(json, "smooth_pixels", c->smooth);
     json_number(json, "all", c->all_error);
+    json_number(json, "rmse", c->all_error * c->mean);
     json_number(json, "smooth", c->smooth_error);
     json_number(json, "block", c->block_error);
     json_number(json, "bias", c->bias);
@@ -83,8 +85,9 @@ static bool compare_pictures(Session *session, Error *err)
     const Options *options = &session->options;
     Comparison comparison = { 0 };
     int width = 0, height = 0, other_width = 0, other_height = 0;
-    float *reference = image_read_exr(options->scene, &width, &height, err);
-    float *picture = image_read_exr(options->other, &other_width, &other_height, err);
+    float *reference = image_read_layer(options->scene, options->layer, &width, &height, err);
+    float *picture = image_read_layer(options->other, options->layer, &other_width, &other_height,
+                                      err);
     if (!error_is_set(err) && (width != other_width || height != other_height))
         error_set(err, ERROR_INPUT, "%s is %d x %d, %s is %d x %d: not the same picture",
                   options->scene, width, height, options->other, other_width, other_height);

@@ -74,7 +74,8 @@ static const CommandHelp command_help[] = {
     { COMMAND_DEVELOP, "PICTURE.exr [-o FILE.png]", "a PNG of a picture's light, shown otherwise",
       "  isolux develop room.exr --exposure 1 --tone filmic -o room.png\n"
       "  isolux develop room.exr --false-colour illuminance --isolines\n"
-      "  isolux develop room.exr --false-colour luminance --log --range 1,10000\n",
+      "  isolux develop room.exr --false-colour luminance --log --range 1,10000\n"
+      "  isolux develop room.exr --mix lamp=0.5 --mix window=1,0.8,0.6\n",
       "Without -o: room.png, or room.illuminance.png for false colours, beside the picture.\n"
       "Values are labelled lx and cd/m2, with --units radiometric W/m2 and W/m2/sr.\n" },
 };

@@ -102,6 +102,8 @@ typedef enum {
     OPTION_RANGE,
     OPTION_LOG,
     OPTION_ISOLINES,
+    OPTION_LAYER,
+    OPTION_MIX,
     OPTION_CROP,
     OPTION_PIXEL_FILTER,
     OPTION_CAMERA,
@@ -159,6 +161,8 @@ typedef struct Options {
     bool        given[OPTION_COUNT]; /* it was on the command line */
     const char *output, *json, *camera, *points, *filter, *trace, *emissivity, *temperature;
     const char *resume;
+    const char *layer;       /* develop, compare: of the EXR; NULL: R G B */
+    TextList    mix;         /* develop: factors of light groups */
     const char *factors;     /* file of factors as cast */
     const char *rows;        /* file of what rows sum to */
     const char *errors;      /* file of standard errors */

@@ -32,6 +32,13 @@ static bool together(const Options *options, Error *err)
         options->command != COMMAND_RENDER && options->set.count == 0 && options->changes == NULL)
         return error_set(err, ERROR_USAGE, "--light-groups mixes lamps that --set or --changes "
                          "dims: give one of them");
+    if (options->mix.count > 0 && (options->layer != NULL ||
+                                   options->false_colour == FILM_ILLUMINANCE))
+        return error_set(err, ERROR_USAGE, "--mix is of the picture's light: not with --layer or "
+                         "--false-colour illuminance");
+    if (options->layer != NULL && options->false_colour == FILM_ILLUMINANCE)
+        return error_set(err, ERROR_USAGE, "--false-colour illuminance has a layer of its own: not "
+                         "with --layer");
     const bool shutter = options_given(options, OPTION_SHUTTER);
     if (shutter && options_given(options, OPTION_TIME))
         return error_set(err, ERROR_USAGE, "give --time or --shutter, not both");

@@ -32,6 +32,20 @@ ok "painted: solved anew" grep -q '"way": "solved"' "$DIR/f.json"
 ok "painted: its own layer" has "$DIR/f.exr" plate
 ok "no light at all" exits 0 render "$DIR/cube.obj" "${fast[@]}" "${view[@]}" --light-groups \
     --set ceiling.emission=0 -o "$DIR/g.exr"
+ok "dimmed afterwards" exits 0 develop "$DIR/a.exr" --mix light-1=0 --exposure -5 -o "$DIR/m.png"
+ok "the other lamp alone" exits 0 develop "$DIR/a.exr" --layer lightgroup.light-2 --exposure -5 \
+    -o "$DIR/n.png"
+ok "all of it" exits 0 develop "$DIR/a.exr" --exposure -5 -o "$DIR/o.png"
+ok "all, once each" exits 0 develop "$DIR/a.exr" --exposure -5 --mix light-1=1 --mix light-2=1,1,1 \
+    -o "$DIR/p.png"
+ok "is the same" cmp "$DIR/o.png" "$DIR/p.png"
+ok "half of it is another" bash -c "! cmp -s '$DIR/m.png' '$DIR/o.png'"
+ok "a layer with itself" exits 0 compare "$DIR/a.exr" "$DIR/b.exr" --layer lightgroup.light-1
+ok "no such group" fails 3 'no channel lightgroup.sun.R' develop "$DIR/a.exr" --mix sun=2
+ok "no factor" fails 2 'wants NAME=FACTOR' develop "$DIR/a.exr" --mix light-1
+ok "below 0" fails 2 'wants NAME=FACTOR' develop "$DIR/a.exr" --mix light-1=-1
+ok "twice" fails 2 'there twice' develop "$DIR/a.exr" --mix light-1=2 --mix light-1=3
+ok "of all layers" fails 2 'not with --layer' develop "$DIR/a.exr" --mix light-1=2 --layer direct
 ok "records know no groups" fails 2 'know nothing of --light-groups' render $lights \
     --light-groups --record-rays 64
 ok "not of paths" fails 2 'is of a solution' render $lights --light-groups --renderer path
