@@ -23,6 +23,18 @@ bool live_must_end(const Live *live)
            session_stopped(live->pipeline->session);
 }
 
+/* Takes one of the steps that were asked for; they may end in the midst of a stage. */
+static bool take_step(Live *live)
+{
+    unsigned steps = atomic_load(&live->control->steps);
+    while (steps > 0)
+        if (atomic_compare_exchange_weak(&live->control->steps, &steps, steps - 1)) {
+            atomic_store(&live->stepping, true);
+            return true;
+        }
+    return false;
+}
+
 bool live_step(Live *live)
 {
     Control *control = live->control;
@@ -30,12 +42,8 @@ bool live_step(Live *live)
     atomic_store(&live->stepping, false);
     live_picture(live);
     while (atomic_load(&control->paused) && !live_must_end(live)) {
-        unsigned steps = atomic_load(&control->steps);
-        if (steps > 0) {
-            atomic_fetch_sub(&control->steps, 1);
-            atomic_store(&live->stepping, true);
+        if (take_step(live))
             break;
-        }
         if (!live_picture(live))
             rest();
     }
@@ -57,9 +65,10 @@ static void live_warn(void *user, const char *code, const char *where, const cha
  * the light they find. */
 static bool live_stop(void *user)
 {
-    const Live *live = user;
+    Live *live = user;
     while (atomic_load(&live->control->paused) && !atomic_load(&live->stepping) &&
-           !atomic_load(&live->control->easel.waiting) && !live_must_end(live))
+           !atomic_load(&live->control->easel.waiting) && !live_must_end(live) &&
+           !take_step(live))
         rest();
     return live_must_end(live);
 }

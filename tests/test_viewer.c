@@ -148,6 +148,23 @@ static void test_wrong_lines_are_told(void **state)
     assert_int_equal(array_live(), 0);
 }
 
+/* The pixel of a place is the one whose ray meets it. */
+static void test_places_and_pixels_agree(void **state)
+{
+    const Camera camera = { .eye = { 1, 2, 3 }, .target = { 4, 1, -5 }, .up = { 0, 1, 0.2 },
+                            .vertical_fov = 55 };
+    (void)state;
+    for (int k = 0; k < 20; k++) {
+        const double at_x = 37.25 * k, at_y = 470 - 21.5 * k, far = 0.5 + k;
+        double x = 0, y = 0;
+        const Vec3 d = view_direction(&camera, at_x, at_y, 640, 480);
+        const Vec3 place = vec3_mad(camera.eye, far, d), behind = vec3_mad(camera.eye, -far, d);
+        assert_true(view_pixel(&camera, place, 640, 480, &x, &y));
+        assert_true(fabs(x - at_x) < 1e-9 && fabs(y - at_y) < 1e-9);
+        assert_false(view_pixel(&camera, behind, 640, 480, &x, &y));
+    }
+}
+
 static void test_knobs_count_their_turns(void **state)
 {
     KnobSetting setting;
@@ -210,6 +227,7 @@ int main(void)
         cmocka_unit_test(test_what_is_framed_is_seen_whole),
         cmocka_unit_test(test_scripts_are_read),
         cmocka_unit_test(test_wrong_lines_are_told),
+        cmocka_unit_test(test_places_and_pixels_agree),
         cmocka_unit_test(test_knobs_count_their_turns),
         cmocka_unit_test(test_knobs_scale_what_the_scene_has),
         cmocka_unit_test(test_the_mailbox_keeps_the_newest),

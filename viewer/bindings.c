@@ -28,7 +28,7 @@ static const Binding TABLE[] = {
     { MOVING, ACTION_WIDER, '-', 0, "-", "wider field of view" },
     { MOVING, ACTION_NARROWER, '=', 0, "=", "narrower field of view" },
     { SOLVER, ACTION_PAUSE, KEY_SPACE, 0, "Space", "pause, go on" },
-    { SOLVER, ACTION_STEP, '.', 0, ".", "one step, then pause; its rays are shown" },
+    { SOLVER, ACTION_STEP, '.', 0, ".", "one step, then pause; its patch and rays" },
     { SOLVER, ACTION_RESTART, 'R', MOD_CONTROL, "Ctrl-R", "from the beginning" },
     { SOLVER, ACTION_RELOAD, KEY_F5, 0, "F5", "read the scene again" },
     { LOOKING, ACTION_BRIGHTER, 'E', 0, "E", "brighter by a third of a stop" },

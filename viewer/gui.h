@@ -43,6 +43,9 @@ void gui_dim(const char *text);
 void gui_heading(const char *text);
 /* A name and what it is, in two columns. `column`: where the second begins, in letters. */
 void gui_row(const char *name, double column, const char *text);
+/* What follows stands in so many columns; 1 ends that. */
+void gui_columns(int count);
+void gui_next_column(void);
 void gui_bar(double share, const char *text);
 void gui_same_line(void);
 bool gui_button(const char *name);

@@ -193,6 +193,8 @@ void gui_bar(double share, const char *text)
     ImGui::GetWindowDrawList()->AddText(at, IM_COL32(255, 255, 255, 255), text);
 }
 
+void gui_columns(int count) { ImGui::Columns(count, nullptr, false); }
+void gui_next_column(void) { ImGui::NextColumn(); }
 void gui_same_line(void) { ImGui::SameLine(); }
 bool gui_button(const char *name) { return ImGui::Button(name); }
 bool gui_check(const char *name, bool *value) { return ImGui::Checkbox(name, value); }

@@ -87,6 +87,8 @@ bool renew_if_lost(Viewer *viewer, Error *err);
 
 /* --- panels.c --------------------------------------------------------------------------------- */
 void panels_draw(Viewer *viewer);
+/* marks_shot.c: the patch that shot last. */
+void marks_shot(const Viewer *viewer);
 /* panels_change.c: lamps and paint, at the right; places in pixels. */
 void panels_change(Viewer *viewer, double width, double gap);
 

@@ -138,3 +138,17 @@ void view_fit(Camera *camera, Vec3 centre, double radius, double aspect)
     camera->target = centre;
     camera->eye = vec3_mad(centre, -radius / sin(atan(narrow)), f.forward);
 }
+
+bool view_pixel(const Camera *camera, Vec3 place, int width, int height, double *x, double *y)
+{
+    const ViewFrame f = view_frame(camera);
+    const Vec3 to = vec3_sub(place, camera->eye);
+    const double depth = vec3_dot(to, f.forward), half = 0.5 * height;
+    const double t = tan(camera->vertical_fov * M_PI / 360);
+    assert(width > 0 && height > 0);
+    if (!(depth > 0))
+        return false;
+    *x = 0.5 * width + half * vec3_dot(to, f.right) / (depth * t);
+    *y = half - half * vec3_dot(to, f.up) / (depth * t);
+    return true;
+}

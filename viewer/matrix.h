@@ -17,6 +17,8 @@ typedef struct {
 ViewFrame view_frame(const Camera *camera);
 /* Unit direction through a pixel of a picture. */
 Vec3 view_direction(const Camera *camera, double x, double y, int width, int height);
+/* The pixel that shows a place, also outside the picture; false: it is behind the eye. */
+bool view_pixel(const Camera *camera, Vec3 place, int width, int height, double *x, double *y);
 
 /* Turns the eye round the target, or the target round the eye; radians to the right and up. The
  * picture stays upright: `up` is that of the scene. */

@@ -23,14 +23,9 @@ static bool place_seen(const Viewer *viewer, Vec3 place, double *x, double *y)
 {
     const GlView *view = &viewer->view;
     const ShownMesh *mesh = viewer->shown->mesh;
-    const ViewFrame f = view_frame(&view->camera);
     const Vec3 to = vec3_sub(place, view->camera.eye);
-    const double depth = vec3_dot(to, f.forward);
-    const double t = tan(view->camera.vertical_fov * M_PI / 360), half = 0.5 * view->height;
-    if (!(depth > 0))
+    if (!view_pixel(&view->camera, place, view->width, view->height, x, y))
         return false;
-    *x = 0.5 * view->width + half * vec3_dot(to, f.right) / (depth * t);
-    *y = half - half * vec3_dot(to, f.up) / (depth * t);
     if (*x < 0 || *y < 0 || *x > view->width || *y > view->height)
         return false;
     /* Up to just before it; a face seen from behind hides nothing. */

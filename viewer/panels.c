@@ -202,18 +202,30 @@ static void patch_panel(const Viewer *viewer, double y, double width)
     gui_panel_end();
 }
 
-static void help_overlay(double scale, int height)
+/* Two columns where there is room: all keys at one look. */
+static void help_overlay(double scale, int width, int height)
 {
     size_t count;
     const Binding *table = bindings_table(&count);
+    const bool wide = width >= 920 * scale;
     const char *chapter = "";
-    if (gui_overlay("Keys and mouse", 500 * scale, fmin(height - 24, 740 * scale))) {
+    enum { HALF_LESS = 6 }; /* rows: a chapter that begins so near to the middle ends the column */
+    if (gui_overlay("Keys and mouse", fmin(width - 24, (wide ? 960 : 500) * scale),
+                    fmin(height - 24, (wide ? 620 : 960) * scale))) {
+        bool second = !wide;
+        gui_columns(wide ? 2 : 1);
         for (size_t i = 0; i < count; i++) {
-            if (table[i].chapter != chapter)
+            const bool begins = table[i].chapter != chapter;
+            if (begins && !second && 2 * i >= count - HALF_LESS) {
+                gui_next_column();
+                second = true;
+            }
+            if (begins)
                 gui_heading(table[i].chapter);
             chapter = table[i].chapter;
-            gui_row(table[i].name, 27, table[i].text);
+            gui_row(table[i].name, 26, table[i].text);
         }
+        gui_columns(1);
     }
     gui_panel_end();
 }
@@ -232,9 +244,10 @@ void panels_draw(Viewer *viewer)
         panels_change(viewer, width, 8);
     else if (viewer->panels)
         measuring_panel(viewer, scale);
+    marks_shot(viewer);
     measuring_marks(viewer, scale);
     if (viewer->help)
-        help_overlay(scale, viewer->view.height);
+        help_overlay(scale, viewer->view.width, viewer->view.height);
     if (window_time() < viewer->notice_until)
         gui_notice(viewer->notice);
 }

@@ -65,7 +65,10 @@ for name in lit solved panels; do
 done
 
 cat >"$DIR/steps.txt" <<END
+key Space
+key .
 wait lit
+key .
 key Space
 wait frames 2
 key .
@@ -73,7 +76,7 @@ key .
 key Ctrl-R
 wait solved
 END
-ok "pause, steps, from the beginning" exits 0 view "$cube" --script "$DIR/steps.txt" "${small[@]}"
+ok "paused at once, steps, from the beginning" exits 0 view "$cube" --script "$DIR/steps.txt" "${small[@]}"
 
 # --- what happens to windows ----------------------------------------------------------------------
 
