@@ -126,6 +126,16 @@ static uint32_t rays_per_pixel(const RenderOptions *o)
     return rays < RAYS_MAX ? (uint32_t)rays : RAYS_MAX;
 }
 
+/* The number that the whole picture's tile has there, so that a part whose corner is a tile's has
+ * the same pixels. */
+static uint32_t number_in_whole(const Render *render, int x0, int y0)
+{
+    const Image *image = render->image;
+    const int    width = image->whole_width > 0 ? image->whole_width : image->width;
+    return (uint32_t)((y0 + image->top) / TILE) * (uint32_t)((width + TILE - 1) / TILE) +
+           (uint32_t)((x0 + image->left) / TILE);
+}
+
 /* All pixels of a tile have samples. */
 static void know_tile(const Render *render, uint32_t tile)
 {
@@ -153,7 +163,7 @@ static void render_tile(const Render *render, Worker *worker, uint32_t tile)
         }
     guides_train(&worker->eye.guides, &worker->eye.wave, worker->centre, worker->reach, centres,
                  rays_per_pixel(render->options),
-                 sampling_seed(tile, 0, render->options->seed, 2));
+                 sampling_seed(number_in_whole(render, x0, y0), 0, render->options->seed, 2));
     if (render->options->error > 0) {
         const RefineTile refine = { x0, y0, x1, y1, render->mean };
         render->samples[tile] = refine_tile(&worker->eye, &refine, render->image,

@@ -218,7 +218,8 @@ static uint32_t add_rays(const Picture *picture, Worker *w, int x0, int y0, uint
             y % picture->step != 0)
             continue;
         if (picture->samples > 1) {
-            sampling_sobol2(sample, sampling_seed((uint32_t)x, (uint32_t)y,
+            sampling_sobol2(sample, sampling_seed((uint32_t)(x + image->left),
+                                                  (uint32_t)(y + image->top),
                                                   picture->options.seed, 3), u);
             filter_table_offset(&picture->filter, u, at);
         }
