@@ -15,7 +15,8 @@
 typedef struct {
     Surfaces *surfaces;
     Bvh      *bvh;
-    float    *smooth;     /* render/normals.h; NULL while nothing of it is glossy */
+    float    *smooth;     /* render/normals.h; NULL: flat */
+    bool      smoothed;   /* that has been made */
 } Mesh;
 
 /* A mesh of one material. */
@@ -66,8 +67,9 @@ static bool look_make(RoomCopies *copies, const Placement *placement, Error *err
     look->emitting = array_create(count, 1, "placed meshes", err);
     if (rgb_max(material->transmittance) > 0 && !error_is_set(err))
         look->skin = mirrors_skins(mesh->surfaces, material, err);
-    if (mesh->smooth == NULL && specular_exists(material) && !error_is_set(err))
+    if (!mesh->smoothed && !error_is_set(err))
         mesh->smooth = normals_create(mesh->surfaces, err);
+    mesh->smoothed = true;
     if (error_is_set(err))
         return false;
     for (uint32_t i = 0; i < count && rgb_max(material->emission) > 0; i++)

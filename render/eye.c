@@ -36,7 +36,8 @@ static bool emits(const Room *room, const RoomHit *hit)
 static void receive_point(const Eye *eye, const EyeSample *sample, const EyeRay *ray,
                           const RoomHit *hit, Rgb albedo, unsigned bounce, EyePoint *out)
 {
-    const Receiver at = { hit->point, hit->normal };
+    const float   *smooth = ray->blurred ? NULL : eye->gatherer->smooth;
+    const Receiver at = normals_receive(smooth, eye->gatherer->room, hit);
     *out = (EyePoint){
         .point = { .at = at, .index = sample->index, .group = sample->group,
                    .seed = sampling_mix(sample->seed + SEED_WAVE + bounce),
@@ -114,9 +115,15 @@ static bool end_of_ray(Eye *eye, const EyeSample *samples, uint32_t i, unsigned 
     float u[4];
     Rgb   weight;
     sampling_sobol4(sample->index, sampling_seed(sample->seed, SEED_SPECULAR, bounce, 0), u);
-    *on = (EyeRay){ .sample = ray->sample };
+    *on = (EyeRay){ .sample = ray->sample,
+                    .blurred = ray->blurred || !specular_is_sharp(m) };
     const Vec3 way = vec3_unit(in);
     const Vec3 normal = normals_at(eye->gatherer->smooth, room, &hit, way);
+    if (on->blurred && !ray->blurred) { /* gloss is light received, too */
+        const Receiver at = normals_receive(eye->gatherer->smooth, room, &hit);
+        hit.point = at.point;
+        hit.normal = at.face;
+    }
     if (!specular_continue(room, &hit, normal, way, u, &on->ray, &weight))
         return false;
     on->weight = rgb_mul(ray->weight, weight);

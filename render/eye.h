@@ -32,6 +32,7 @@ typedef struct {
     Ray      ray;
     Rgb      weight;
     uint32_t sample;
+    bool     blurred; /* by gloss on its way: what it meets is not seen sharp */
 } EyeRay;
 
 /* A point that receives light for a sample. */

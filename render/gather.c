@@ -69,11 +69,7 @@ static bool fill_vertices(Gatherer *g, const Solution *solution, const Links *li
 static bool fill_normals(Gatherer *g, Error *err)
 {
     const Surfaces *s = g->room->surfaces;
-    bool            specular = false;
-    for (size_t i = 0; i < g->room->material_count; i++)
-        specular = specular || specular_exists(&g->room->materials[i]);
-    if (specular)
-        g->smooth = normals_create(s, err);
+    g->smooth = normals_create(s, err);
     g->normal = array_create(3 * (size_t)s->triangle_count, sizeof *g->normal, "gather", err);
     if (error_is_set(err))
         return false;
@@ -151,7 +147,7 @@ void gather_irradiance(const Gatherer *gatherer, Vec3 point, Vec3 normal, uint32
 {
     assert(gatherer != NULL && out != NULL);
     assert(fabs(vec3_length(normal) - 1) < 16 * FLT_EPSILON); /* a unit vector in float will do */
-    const Receiver at = { point, normal };
+    const Receiver at = { point, normal, normal };
     const uint32_t each = rays > SCRAMBLINGS ? rays / SCRAMBLINGS : 1;
     double         first = 0, mean = 0, square = 0;
     Wave           wave;

@@ -94,7 +94,7 @@ static void lesson_block(Lesson *lesson, Wave *wave, const Receiver *at, uint32_
             continue;
         RoomHit hit;
         room_hit(g->room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
-        lesson->near[lesson->near_count++] = (Receiver){ hit.point, hit.normal };
+        lesson->near[lesson->near_count++] = (Receiver){ hit.point, hit.normal, hit.normal };
     }
 }
 

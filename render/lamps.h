@@ -53,9 +53,10 @@ typedef struct {
 bool lamps_init(Lamps *lamps, const Room *room, Error *err);
 void lamps_clear(Lamps *lamps);
 
-/* A receiving point: rays leave it towards the side of the normal. */
+/* A receiving point: rays leave it towards the side of `face`. */
 typedef struct {
-    Vec3 point, normal;
+    Vec3 point, normal; /* unit; maybe smoothed, then light counts by normals_share too */
+    Vec3 face;          /* unit: of the surface as rays meet it */
 } Receiver;
 
 /* A place to aim at. value: its irradiance over its density, if nothing is in the way;

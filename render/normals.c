@@ -57,8 +57,13 @@ static Vec3 smooth_normal(const Surfaces *s, const Fans *fans, const Vec3 *flat,
     return vec3_length(sum) > 0 ? vec3_unit(sum) : flat[own];
 }
 
+/* Normals that differ by less than 0.1 degrees are one: more than rounding does to flat faces, less
+ * than shows. */
+static const double SAME_COSINE = 1 - 1e-6;
+
 float *normals_create(const Surfaces *s, Error *err)
 {
+    bool   bent = false;
     Fans   fans = { 0 };
     Vec3  *flat = array_create(s->triangle_count, sizeof *flat, "normals", err);
     float *smooth = array_create(9 * (size_t)s->triangle_count, sizeof *smooth, "normals", err);
@@ -67,6 +72,7 @@ float *normals_create(const Surfaces *s, Error *err)
             flat[i] = surfaces_normal(s, i, 0, 0);
         for (uint32_t i = 0; i < 3 * s->triangle_count; i++) {
             const Vec3 n = smooth_normal(s, &fans, flat, i);
+            bent = bent || vec3_dot(n, flat[i / 3]) < SAME_COSINE;
             smooth[3 * (size_t)i] = (float)n.x;
             smooth[3 * (size_t)i + 1] = (float)n.y;
             smooth[3 * (size_t)i + 2] = (float)n.z;
@@ -75,7 +81,37 @@ float *normals_create(const Surfaces *s, Error *err)
     array_free(fans.first);
     array_free(fans.corner);
     array_free(flat);
-    return error_is_set(err) ? array_free(smooth) : smooth;
+    return error_is_set(err) || !bent ? array_free(smooth) : smooth;
+}
+
+/* Where a hit lies on a triangle. */
+typedef struct {
+    uint32_t triangle;
+    double   weight[3]; /* of its corners */
+} Place;
+
+/* The weights of corners 1 and 2 follow from where (s, t) puts them (mesh/surfaces.h). */
+static Place place_of(const Surface *surface, const RoomHit *hit)
+{
+    const bool   quad = surface->kind == SURFACE_QUAD;
+    const bool   second = quad && hit->t > hit->s;
+    const double u = !quad || second ? hit->s : hit->s - hit->t;
+    const double v = !quad || !second ? hit->t : hit->t - hit->s;
+    return (Place){ surface->primitive + (second ? 1 : 0), { 1 - u - v, u, v } };
+}
+
+static Vec3 corner_normal(const float *smooth, const Place *place, unsigned k, unsigned side)
+{
+    const float *n = smooth + 9 * (size_t)place->triangle + 3 * k;
+    return side == 0 ? vec3(n[0], n[1], n[2]) : vec3(-n[0], -n[1], -n[2]);
+}
+
+static Vec3 blended(const float *smooth, const Place *place, unsigned side)
+{
+    Vec3 sum = { 0, 0, 0 };
+    for (unsigned k = 0; k < 3; k++)
+        sum = vec3_mad(sum, place->weight[k], corner_normal(smooth, place, k, side));
+    return vec3_unit(sum);
 }
 
 Vec3 normals_at(const float *smooth, const Room *room, const RoomHit *hit, Vec3 in)
@@ -83,16 +119,69 @@ Vec3 normals_at(const float *smooth, const Room *room, const RoomHit *hit, Vec3 
     const Surface *surface = &room->surfaces->surface[hit->surface];
     if (smooth == NULL || surface->kind == SURFACE_SHAPE)
         return hit->normal;
-    /* The weights of corners 1 and 2, from where (s, t) puts them (mesh/surfaces.h). */
-    const bool quad = surface->kind == SURFACE_QUAD;
-    const bool second = quad && hit->t > hit->s;
-    const double u = !quad || second ? hit->s : hit->s - hit->t;
-    const double v = !quad || !second ? hit->t : hit->t - hit->s;
-    const double w[3] = { 1 - u - v, u, v };
-    const float *n = smooth + 9 * (size_t)(surface->primitive + (second ? 1 : 0));
-    Vec3 sum = { 0, 0, 0 };
-    for (unsigned k = 0; k < 3; k++)
-        sum = vec3_mad(sum, w[k], vec3(n[3 * k], n[3 * k + 1], n[3 * k + 2]));
-    sum = vec3_unit(hit->side == 0 ? sum : vec3_scale(sum, -1));
-    return vec3_dot(sum, in) < 0 ? sum : hit->normal;
+    const Place place = place_of(surface, hit);
+    const Vec3  normal = blended(smooth, &place, hit->side);
+    return vec3_dot(normal, in) < 0 ? normal : hit->normal;
+}
+
+/* Corners may stand over each other's tangent planes by this share of an edge and still count as
+ * flat: more than normals in float are off, less than the sagitta of an arc of 0.1 degrees. */
+static const double BULGE_SLACK = 1e-4;
+
+/* From a point of a triangle to the curved body: its projections on the corners' tangent planes,
+ * blended. false: the triangle does not bulge there. */
+static bool lift_of(const float *smooth, const Surfaces *s, const Place *place, const RoomHit *hit,
+                    Vec3 *lift)
+{
+    *lift = vec3(0, 0, 0);
+    for (unsigned k = 0; k < 3; k++) {
+        const Vec3 p = corner_at(s, place->triangle, k);
+        const Vec3 n = corner_normal(smooth, place, k, hit->side);
+        for (unsigned i = 1; i < 3; i++) {
+            const Vec3 edge = vec3_sub(corner_at(s, place->triangle, (k + i) % 3), p);
+            if (vec3_dot(edge, n) > BULGE_SLACK * vec3_length(edge))
+                return false;
+        }
+        const double below = fmax(vec3_dot(vec3_sub(p, hit->point), n), 0);
+        *lift = vec3_mad(*lift, place->weight[k] * below, n);
+    }
+    return true;
+}
+
+Receiver normals_receive(const float *smooth, const Room *room, const RoomHit *hit)
+{
+    const Surface *surface = &room->surfaces->surface[hit->surface];
+    Receiver       at = { hit->point, hit->normal, hit->normal };
+    if (smooth == NULL || surface->kind == SURFACE_SHAPE)
+        return at;
+    const Place place = place_of(surface, hit);
+    const Vec3  normal = blended(smooth, &place, hit->side);
+    Vec3        lift;
+    if (!(vec3_dot(normal, hit->normal) > 0))
+        return at;
+    at.normal = normal;
+    if (!lift_of(smooth, room->surfaces, &place, hit, &lift))
+        return at;
+    const double height = vec3_length(lift);
+    if (height > room->offset) {
+        /* Nothing may stand between. */
+        const Ray ray = ray_leaving(hit->point, hit->normal, room->offset,
+                                    vec3_scale(lift, 1 / height), (float)height);
+        if (bvh_blocked(room->bvh, &ray))
+            return at;
+        at.point = vec3_add(hit->point, lift);
+    }
+    at.face = normal;
+    return at;
+}
+
+double normals_share(Vec3 way, Vec3 normal, Vec3 face)
+{
+    const double low = vec3_dot(way, face), high = vec3_dot(way, normal);
+    if (normal.x == face.x && normal.y == face.y && normal.z == face.z)
+        return 1;
+    if (!(low > 0) || !(high > 0))
+        return 0;
+    const double g = fmin(low / (high * vec3_dot(normal, face)), 1);
+    return g * (1 + g - g * g);
 }

@@ -9,11 +9,9 @@
 #include "base/array.h"
 #include "base/parallel.h"
 #include "math/sampling.h"
-#include "radiosity/places.h"
 #include "render/normals.h"
 #include "render/path_internal.h"
 #include "render/rough.h"
-#include "render/specular.h"
 
 enum { TILE = 8, BATCH_MOST = PATH_WAVE / PATH_PIXELS, SAMPLES_DEFAULT = 64 };
 static_assert(TILE * TILE == PATH_PIXELS, "a wave holds a tile");
@@ -80,11 +78,14 @@ static void store_centre(const Picture *picture, int x, int y)
         !path_nearest(&picture->scene, &ray, &found))
         return;
     const Room *room = path_place(&picture->scene, &found, vec3(ray.dx, ray.dy, ray.dz), &where);
-    Material  scratch;
-    const Rgb albedo = places_hit(room, &where, &scratch)->reflectance;
-    image->normal[3 * at] = (float)where.normal.x;
-    image->normal[3 * at + 1] = (float)where.normal.y;
-    image->normal[3 * at + 2] = (float)where.normal.z;
+    PathSurface surface;
+    path_surface_init(&surface, &picture->scene, room, &found, &where,
+                      vec3_unit(vec3(ray.dx, ray.dy, ray.dz)), true);
+    const Rgb  albedo = surface.material->reflectance;
+    const Vec3 normal = surface.at.normal;
+    image->normal[3 * at] = (float)normal.x;
+    image->normal[3 * at + 1] = (float)normal.y;
+    image->normal[3 * at + 2] = (float)normal.z;
     image->albedo[3 * at] = (float)albedo.r;
     image->albedo[3 * at + 1] = (float)albedo.g;
     image->albedo[3 * at + 2] = (float)albedo.b;
@@ -332,7 +333,6 @@ static bool picture_prepare(Picture *picture, Error *err)
 {
     const Room  *room = picture->scene.room;
     PathOptions *o = &picture->options;
-    bool         specular = false;
     o->samples = o->samples > 0 ? o->samples : SAMPLES_DEFAULT;
     o->threads = parallel_threads(o->threads);
     picture->image = image_create_part(o->width, o->height, o->crop, err);
@@ -347,9 +347,7 @@ static bool picture_prepare(Picture *picture, Error *err)
     picture->failed = array_create(o->threads, sizeof *picture->failed, "picture", err);
     for (unsigned i = 0; i < o->threads && !error_is_set(err); i++)
         picture->wave[i] = path_wave_create(err);
-    for (size_t i = 0; i < room->material_count; i++)
-        specular = specular || specular_exists(&room->materials[i]);
-    if (specular && !o->diffuse_only && !error_is_set(err))
+    if (!error_is_set(err))
         picture->scene.smooth = normals_create(room->surfaces, err);
     picture->scene.panes = is_clear(room) && !o->diffuse_only;
     return !error_is_set(err) && path_lamps_init(&picture->scene.lamps, room, err);

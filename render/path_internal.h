@@ -6,6 +6,7 @@
 #include "radiosity/room.h"
 #include "render/internal.h"
 #include "render/lamp_tree.h"
+#include "render/lamps.h"
 #include "render/path.h"
 
 /* --- path_lamps.c: all that emits, and the choice among it ----------------------------------- */
@@ -66,13 +67,17 @@ typedef struct {
     Material        made;     /* where an image makes it */
     RoomHit         hit;
     Vec3            normal;   /* for mirrors, maybe smoothed */
+    Receiver        at;       /* of light that is scattered: smooth where the eye sees it sharp */
     Vec3            in;       /* unit, of the ray that came */
     double          diffuse, gloss, clear; /* chances of the kinds of ways on, of sum 1 or all 0 */
 } PathSurface;
 
-/* room and hit: as path_place says of `found`, which may be NULL where no copies stand. */
+/* room and hit: as path_place says of `found`, which may be NULL where no copies stand. sharp: the
+ * eye sees the place, straight or by way of mirrors and glass alone. */
 void path_surface_init(PathSurface *surface, const PathScene *scene, const Room *room,
-                       const InstanceHit *found, const RoomHit *hit, Vec3 in);
+                       const InstanceHit *found, const RoomHit *hit, Vec3 in, bool sharp);
+/* Diffuse scattering alone, times the cosine. */
+Rgb path_surface_diffuse(const PathSurface *surface, Vec3 out);
 
 /* Diffuse and glossy scattering into a direction: f cos, and the density of the same way being
  * chosen by path_surface_next. 0 for mirrors and glass. */

@@ -38,11 +38,10 @@ static bool bends(const Room *room, const RoomHit *hit, const Material *material
 static Vec3 mirrored(Vec3 in, Vec3 n) { return vec3_mad(in, -2 * vec3_dot(in, n), n); }
 
 /* The mirror direction of the smooth normal, unless that leads into the surface. */
-static Vec3 mirror_way(const PathSurface *surface)
+static Vec3 mirror_way(const PathSurface *surface, Vec3 face)
 {
     const Vec3 d = mirrored(surface->in, surface->normal);
-    return vec3_dot(d, surface->hit.normal) > 0 ? vec3_unit(d)
-                                                : vec3_unit(mirrored(d, surface->hit.normal));
+    return vec3_unit(vec3_dot(d, face) > 0 ? d : mirrored(d, face));
 }
 
 static bool is_lobe(const Material *material)
@@ -63,22 +62,33 @@ static double glass_share(const PathSurface *surface, double *eta)
     return fresnel(cosine, *eta);
 }
 
+/* Smooth unless seen from behind along `in`. */
+static Vec3 normal_at(const PathScene *scene, const Room *room, const InstanceHit *found,
+                      const RoomHit *hit, Vec3 in)
+{
+    return room == scene->room ? normals_at(scene->smooth, room, hit, in)
+                               : copies_normal(scene->copies, found, hit, in);
+}
+
 void path_surface_init(PathSurface *surface, const PathScene *scene, const Room *room,
-                       const InstanceHit *found, const RoomHit *hit, Vec3 in)
+                       const InstanceHit *found, const RoomHit *hit, Vec3 in, bool sharp)
 {
     Material        scratch;
     const Material *m = places_hit(room, hit, &scratch);
     double          eta;
     assert(m->ior >= 0 && rgb_max(m->reflectance) < 1);
     *surface = (PathSurface){ .room = room, .material = m, .hit = *hit, .normal = hit->normal,
-                              .in = in, .diffuse = rgb_max(m->reflectance) };
+                              .at = { hit->point, hit->normal, hit->normal }, .in = in, .diffuse = rgb_max(m->reflectance) };
     if (m == &scratch) {
         surface->made = scratch;
         surface->material = m = &surface->made;
     }
+    if (sharp && room == scene->room)
+        surface->at = normals_receive(scene->smooth, room, hit);
+    else if (sharp)
+        surface->at.normal = normal_at(scene, room, found, hit, vec3_scale(hit->normal, -1));
     if (!scene->options->diffuse_only && specular_exists(m)) {
-        surface->normal = room == scene->room ? normals_at(scene->smooth, room, hit, in)
-                                              : copies_normal(scene->copies, found, hit, in);
+        surface->normal = normal_at(scene, room, found, hit, in);
         if (rgb_max(m->transmittance) > 0) {
             const double back = glass_share(surface, &eta);
             surface->clear = back + (1 - back) * rgb_max(m->transmittance);
@@ -94,18 +104,25 @@ void path_surface_init(PathSurface *surface, const PathScene *scene, const Room 
     }
 }
 
+Rgb path_surface_diffuse(const PathSurface *surface, Vec3 out)
+{
+    const double cosine = fmax(vec3_dot(out, surface->at.normal), 0) / M_PI;
+    return rgb_scale(surface->material->reflectance,
+                     cosine * normals_share(out, surface->at.normal, surface->at.face));
+}
+
 Rgb path_surface_value(const PathSurface *surface, Vec3 out, double *density)
 {
     const Material *m = surface->material;
-    const double    cosine = vec3_dot(out, surface->hit.normal);
+    const double    cosine = vec3_dot(out, surface->at.face);
     *density = 0;
     if (!(cosine > 0))
         return rgb(0, 0, 0);
-    Rgb value = rgb_scale(m->reflectance, cosine / M_PI);
-    *density = surface->diffuse * cosine / M_PI;
+    Rgb value = path_surface_diffuse(surface, out);
+    *density = surface->diffuse * fmax(vec3_dot(out, surface->at.normal), 0) / M_PI;
     if (surface->gloss > 0 && is_lobe(m)) {
         const double e = specular_exponent(m);
-        const double lobe = pow(fmax(vec3_dot(out, mirror_way(surface)), 0), e) / (2 * M_PI);
+        const double lobe = pow(fmax(vec3_dot(out, mirror_way(surface, surface->at.face)), 0), e) / (2 * M_PI);
         value = rgb_mad(value, (e + 2) * lobe * cosine, m->specular);
         *density += surface->gloss * (e + 1) * lobe;
     }
@@ -135,7 +152,7 @@ static bool glass_next(const PathSurface *surface, double choice, PathNext *next
     const double    chance = back / (back + through);
     if (choice < chance) {
         const double w = back / (chance * surface->clear);
-        *next = (PathNext){ .out = mirror_way(surface), .weight = rgb(w, w, w) };
+        *next = (PathNext){ .out = mirror_way(surface, surface->hit.normal), .weight = rgb(w, w, w) };
         return true;
     }
     *next = (PathNext){ .out = surface->in, .across = true, .straight = true };
@@ -162,18 +179,18 @@ bool path_surface_next(const PathSurface *surface, const float u[3], PathNext *n
         return false;
     if (u[2] >= specular && surface->clear > 0)
         return glass_next(surface, fmin((u[2] - specular) / surface->clear, 1), next);
-    *next = (PathNext){ .out = mirror_way(surface) };
+    *next = (PathNext){ .out = mirror_way(surface, surface->hit.normal) };
     if (u[2] < surface->diffuse || !(surface->gloss > 0)) {
         const Vec3 w = sampling_cosine(u[0], u[1]);
         Vec3       s, t;
-        vec3_frame(surface->hit.normal, &s, &t);
+        vec3_frame(surface->at.normal, &s, &t);
         next->out = vec3_unit(vec3_mad(vec3_mad(vec3_scale(s, w.x), w.y, t), w.z,
-                                       surface->hit.normal));
+                                       surface->at.normal));
     } else if (!is_lobe(m)) {
         next->weight = rgb_scale(m->specular, 1 / surface->gloss);
         return true;
     } else {
-        next->out = lobe_way(next->out, specular_exponent(m), u);
+        next->out = lobe_way(mirror_way(surface, surface->at.face), specular_exponent(m), u);
     }
     const Rgb value = path_surface_value(surface, next->out, &next->density);
     if (!(next->density > 0))

@@ -23,6 +23,7 @@ typedef struct {
     Rgb       seen;     /* share of it that mirrors, glass and gloss alone brought to the eye */
     Rgb       share;    /* share of it that the first place seen sends back diffusely */
     uint32_t  pixel, seed, index;
+    bool      blurred;  /* it turned at a diffuse or glossy place */
     uint32_t  bounces, turns; /* of them, those that are not straight through a pane */
     double    density;  /* of the direction, at `from`; 0: a mirror, glass or the eye */
     PathPlace from;
@@ -113,8 +114,7 @@ static double ratio(double part, double all) { return all > 0 ? part / all : 0; 
 /* Diffuse share of what a place sends from `out` back along the path. */
 static Rgb diffuse_share(const PathSurface *surface, Vec3 out, Rgb value)
 {
-    const double cosine = fmax(vec3_dot(out, surface->hit.normal), 0) / M_PI;
-    const Rgb    part = rgb_scale(surface->material->reflectance, cosine);
+    const Rgb part = path_surface_diffuse(surface, out);
     return rgb(ratio(part.r, value.r), ratio(part.g, value.g), ratio(part.b, value.b));
 }
 
@@ -122,7 +122,7 @@ static Rgb diffuse_share(const PathSurface *surface, Vec3 out, Rgb value)
 static bool aim_shadow(const PathScene *scene, const Path *path, const PathSurface *surface,
                        Shadow *shadow, Ray *ray)
 {
-    const PathPlace at = { surface->hit.point, surface->hit.normal };
+    const PathPlace at = { surface->at.point, surface->at.face };
     float   u[4];
     double  density;
     PathAim aim;
@@ -161,15 +161,20 @@ static bool move_on(const PathScene *scene, Path *path, const PathSurface *surfa
                                              fmax(1 - diffuse.b, 0)));
     }
     assert(isfinite(rgb_max(next.weight)) && next.density >= 0);
+    path->blurred = path->blurred || next.density > 0;
     path->throughput = rgb_mul(path->throughput, next.weight);
     path->bounces++;
     if (!next.straight) {
         path->turns++;
         path->density = next.density;
-        path->from = (PathPlace){ surface->hit.point, surface->hit.normal };
+        path->from = (PathPlace){ surface->at.point, surface->at.face };
     }
-    path->ray = ray_leaving(surface->hit.point, surface->hit.normal,
-                            next.across ? -scene->offset : scene->offset, next.out, INFINITY);
+    if (next.density > 0)
+        path->ray = ray_leaving(surface->at.point, surface->at.face, scene->offset, next.out,
+                                INFINITY);
+    else
+        path->ray = ray_leaving(surface->hit.point, surface->hit.normal,
+                                next.across ? -scene->offset : scene->offset, next.out, INFINITY);
     const double carried = rgb_max(path->throughput);
     if (path->bounces <= BOUNCES_FREE)
         return carried > 0;
@@ -199,7 +204,7 @@ static bool path_step(PathWave *wave, const PathScene *scene, const InstanceHit 
     /* Sides chosen by hand that are not in use take light for lost, but for the eye's sight. */
     if (room->sides_given && path->bounces > 0 && (room->sides[at.surface] >> at.side & 1) == 0)
         return false;
-    path_surface_init(&surface, scene, room, found, &at, in);
+    path_surface_init(&surface, scene, room, found, &at, in, !path->blurred);
     if (aim_shadow(scene, path, &surface, &wave->shadow[*shadows], &wave->shadow_ray[*shadows]))
         (*shadows)++;
     return move_on(scene, path, &surface);

@@ -14,6 +14,7 @@
 #include "render/eye.h"
 #include "render/internal.h"
 #include "render/kept_tiles.h"
+#include "render/normals.h"
 #include "render/records_fill.h"
 #include "render/refine.h"
 #include "render/rough.h"
@@ -70,12 +71,12 @@ static bool store_centre(const Render *render, Worker *worker, int x, int y, Rec
     if (!bvh_nearest(room->bvh, &ray, &h))
         return false;
     room_hit(room, &h, vec3(ray.dx, ray.dy, ray.dz), &hit);
-    image->normal[3 * at] = (float)hit.normal.x;
-    image->normal[3 * at + 1] = (float)hit.normal.y;
-    image->normal[3 * at + 2] = (float)hit.normal.z;
+    *centre = normals_receive(render->gatherer->smooth, room, &hit);
+    image->normal[3 * at] = (float)centre->normal.x;
+    image->normal[3 * at + 1] = (float)centre->normal.y;
+    image->normal[3 * at + 2] = (float)centre->normal.z;
     image->depth[at] = (float)vec3_length(vec3_sub(hit.point, vec3(ray.ox, ray.oy, ray.oz)));
     image->patch[at] = hit.patch;
-    *centre = (Receiver){ hit.point, hit.normal };
     return true;
 }
 

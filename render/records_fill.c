@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "math/sampling.h"
 #include "radiosity/places.h"
+#include "render/normals.h"
 #include "render/wave.h"
 
 /* Pixels between the records of the coarsest and the finest grid. */
@@ -68,7 +69,7 @@ static bool look_at(const Fill *fill, int x, int y, Place *place)
     if (!(rgb_max(places_hit(room, &hit, &scratch)->reflectance) > 0))
         return false;
     const double distance = vec3_length(vec3_sub(hit.point, o));
-    *place = (Place){ .at = { hit.point, hit.normal }, .wanted = true,
+    *place = (Place){ .at = normals_receive(fill->gatherer->smooth, room, &hit), .wanted = true,
                       .pixel = camera_rays_footprint(fill->camera, distance) };
     return !records_find(fill->records, &place->at, &recorded) ||
            recorded.nearness < NEAR_ENOUGH;

@@ -24,6 +24,11 @@ double specular_exponent(const Material *material)
     return material->exponent > 0 ? material->exponent : EXPONENT_DEFAULT;
 }
 
+bool specular_is_sharp(const Material *material)
+{
+    return rgb_max(material->transmittance) > 0 || isinf(specular_exponent(material));
+}
+
 static Vec3 mirrored(Vec3 in, Vec3 n) { return vec3_mad(in, -2 * vec3_dot(in, n), n); }
 
 /* Reflected by the smooth normal, but never into the surface itself. */

@@ -8,6 +8,9 @@
 /* Whether a material has more than its diffuse part. */
 bool specular_exists(const Material *material);
 
+/* Whether its more is an ideal mirror or glass, which show things sharp. */
+bool specular_is_sharp(const Material *material);
+
 /* One way on for a ray that came along `in` (unit) and met `hit`, chosen by three numbers in
  * [0,1): glass reflects or refracts, gloss scatters about the mirror direction. normal: unit, maybe
  * smoothed. *weight is what its light counts, bounded by 1.1 in each band. false: none.

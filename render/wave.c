@@ -11,6 +11,7 @@
 #include "radiosity/places.h"
 #include "radiosity/visible.h"
 #include "render/clear.h"
+#include "render/normals.h"
 #include "render/specular.h"
 #include "render/split.h"
 
@@ -41,6 +42,16 @@ static void add_to(Wave *wave, const WavePoint *point, unsigned level, Rgb irrad
 static Rgb *split_sums(const Wave *wave, const WavePoint *point, const WaveOptions *options)
 {
     return options->split + (size_t)point->root * (wave->gatherer->split->count + 1);
+}
+
+/* Share of the light along ray k that its point's smooth normal keeps. */
+static double share_of(const Wave *wave, unsigned level, uint32_t k)
+{
+    const Receiver *at = &wave->point[level][wave->owner[k]].at;
+    const Ray      *ray = &wave->ray[k];
+    if (at->normal.x == at->face.x && at->normal.y == at->face.y && at->normal.z == at->face.z)
+        return 1;
+    return normals_share(vec3_unit(vec3(ray->dx, ray->dy, ray->dz)), at->normal, at->face);
 }
 
 /* --- lamps ----------------------------------------------------------------------------------- */
@@ -75,7 +86,7 @@ static uint32_t aim_block(Wave *wave, unsigned level, uint32_t begin, uint32_t e
         if (!any)
             continue;
         wave->owner[n] = e / rays;
-        wave->ray[n] = ray_between(p->at.point, p->at.normal, s->point, s->normal,
+        wave->ray[n] = ray_between(p->at.point, p->at.face, s->point, s->normal,
                                    wave_offset(g->room, p->at.point));
         n++;
     }
@@ -83,7 +94,7 @@ static uint32_t aim_block(Wave *wave, unsigned level, uint32_t begin, uint32_t e
 }
 
 /* What of each lamp sample arrives; nearly always all or nothing. */
-static void cast_shadows(Wave *wave, uint32_t n, const WaveOptions *options)
+static void cast_shadows(Wave *wave, unsigned level, uint32_t n, const WaveOptions *options)
 {
     const Gatherer *g = wave->gatherer;
     const bool      clear = options->clear && g->clear;
@@ -93,6 +104,8 @@ static void cast_shadows(Wave *wave, uint32_t n, const WaveOptions *options)
         wave->pass[i] = !wave->blocked[i] ? rgb(1, 1, 1)
                         : clear           ? clear_between(g->room, &wave->ray[i])
                                           : rgb(0, 0, 0);
+    for (uint32_t i = 0; i < n && level == 0; i++)
+        wave->pass[i] = rgb_scale(wave->pass[i], share_of(wave, level, i));
 }
 
 /* Sums of luminance over lamp samples: what would arrive at most, and what does. */
@@ -166,7 +179,7 @@ static void receive_lamps(Wave *wave, unsigned level, uint32_t count, const Wave
                       options, lights);
         if (n == 0)
             continue;
-        cast_shadows(wave, n, options);
+        cast_shadows(wave, level, n, options);
         add_block(wave, level, n, rays, options);
     }
 }
@@ -242,7 +255,7 @@ WaveFrame wave_frame(const Room *room, const Receiver *at)
 {
     WaveFrame f = { .normal = at->normal };
     vec3_frame(at->normal, &f.s, &f.t);
-    f.origin = vec3_mad(at->point, wave_offset(room, at->point), at->normal);
+    f.origin = vec3_mad(at->point, wave_offset(room, at->point), at->face);
     return f;
 }
 
@@ -278,12 +291,19 @@ static bool is_at_seam(const Room *room, const Hit *hit)
     return visible_at_seam(room, surfaces_of_primitive(room->surfaces, hit->primitive), s, t);
 }
 
-/* Ray k from its first hit on, through mirrors and glass. */
-static void follow(Wave *wave, uint32_t k, uint32_t seed)
+/* Ray k from its first hit on, if clear through mirrors and glass. */
+static void follow(Wave *wave, unsigned level, uint32_t k, uint32_t seed, bool clear)
 {
     const Gatherer *g = wave->gatherer;
-    wave->pass[k] = specular_follow(g->room, g->smooth, sampling_mix(seed ^ wave->index[k]),
-                                    &wave->ray[k], &wave->hit[k], &wave->turned[k], &wave->rays);
+    const double    share = share_of(wave, level, k);
+    if (!(share > 0)) /* into the triangle */
+        wave->hit[k].primitive = RAY_MISS;
+    wave->pass[k] = rgb(1, 1, 1);
+    if (clear)
+        wave->pass[k] = specular_follow(g->room, g->smooth, sampling_mix(seed ^ wave->index[k]),
+                                        &wave->ray[k], &wave->hit[k], &wave->turned[k],
+                                        &wave->rays);
+    wave->pass[k] = rgb_scale(wave->pass[k], share);
 }
 
 /* A ray that ended where rounding decides in which room that is gives way to one close by. From a
@@ -298,8 +318,8 @@ static void leave_seam(Wave *wave, unsigned level, uint32_t k, uint32_t seed, bo
         aim_ray(wave, level, k, seed, (float)i * step, &frame);
         bvh_nearest(room->bvh, &wave->ray[k], &wave->hit[k]);
         wave->rays++;
-        if (clear)
-            follow(wave, k, seed);
+        if (clear || level == 0)
+            follow(wave, level, k, seed, clear);
     }
 }
 
@@ -327,8 +347,8 @@ static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t n, u
     for (uint32_t k = 0; k < n; k++) {
         wave->pass[k] = rgb(1, 1, 1);
         wave->turned[k] = false;
-        if (clear)
-            follow(wave, k, seed);
+        if (clear || level == 0)
+            follow(wave, level, k, seed, clear);
     }
     for (uint32_t k = 0; k < n; k++)
         if (is_at_seam(room, &wave->hit[k]))
@@ -345,7 +365,7 @@ static void receive_at(Wave *wave, unsigned level, const WavePoint *from, uint32
     room_hit(room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
     Material        scratch;
     const Material *m = places_hit(room, &hit, &scratch);
-    const Receiver  at = { hit.point, hit.normal };
+    const Receiver  at = { hit.point, hit.normal, hit.normal };
     wave->point[level + 1][next] = (WavePoint){
         .at = at, .root = from->root, .index = index, .seed = from->seed,
         .guide = guides != NULL ? guides_find(guides, &at) : NULL,

@@ -35,7 +35,7 @@ struct Gatherer {
     Split      *split;   /* light groups apart; NULL: not asked for */
     float      *vertex;  /* [3 * patches->vertex_count]  reflected radiosity */
     float      *normal;  /* [3 * surfaces->triangle_count]  unit, to the front */
-    float      *smooth;  /* [9 * triangle_count]  as in normals.h; NULL: nothing is specular */
+    float      *smooth;  /* [9 * triangle_count]  as in normals.h; NULL: all is flat */
     float      *extent;  /* [patches->count]  edge of a patch */
     float      *widest[2]; /* [surfaces->count]  largest of those of a side; 0: not in use */
     Lamps       lamps;

@@ -109,8 +109,8 @@ static void add_light(const Picture *picture, Worker *w, const Light *light, con
     uint32_t    n = 0;
     for (uint32_t i = 0; i < count; i++) {
         const PathSurface *s = &w->surface[i];
-        const Vec3   d = vec3_sub(light->position, s->hit.point);
-        const double square = vec3_dot(d, d), facing = vec3_dot(d, s->hit.normal);
+        const Vec3   d = vec3_sub(light->position, s->at.point);
+        const double square = vec3_dot(d, d), facing = vec3_dot(d, s->at.face);
         if (!(facing > 0) || s->diffuse + s->gloss <= 0)
             continue;
         double     density;
@@ -122,7 +122,7 @@ static void add_light(const Picture *picture, Worker *w, const Light *light, con
         if (!(rgb_max(w->light[n]) > 0))
             continue;
         w->owner[n] = branch[place[i]].pixel;
-        w->ray[n++] = ray_between(s->hit.point, s->hit.normal, light->position, vec3(0, 0, 0),
+        w->ray[n++] = ray_between(s->at.point, s->at.face, light->position, vec3(0, 0, 0),
                                   room->offset);
     }
     bvh_blocked_beam(room->bvh, w->ray, w->blocked, n);
@@ -184,7 +184,8 @@ static void trace(const Picture *picture, Worker *w, const Branch *branch, uint3
         }
         const Vec3 in = vec3_unit(vec3(b->ray.dx, b->ray.dy, b->ray.dz));
         path_hit(room, &w->hit[i], in, &hit);
-        path_surface_init(&w->surface[places], &scene, room, NULL, &hit, in);
+        path_surface_init(&w->surface[places], &scene, room, NULL, &hit, in,
+                          true);
         const Material *m = w->surface[places].material;
         Rgb own = rgb_mul(m->reflectance, picture->options.ambient);
         if (emits(room, hit.surface, hit.side))
@@ -286,7 +287,6 @@ static bool picture_prepare(Picture *picture, const Camera *camera, Error *err)
 {
     WhittedOptions *o = &picture->options;
     const Room     *room = picture->room;
-    bool            specular = false;
     o->samples = o->samples > 0 ? o->samples : 1;
     o->depth = o->depth > 0 ? o->depth : DEPTH_DEFAULT;
     o->threads = parallel_threads(o->threads);
@@ -298,12 +298,9 @@ static bool picture_prepare(Picture *picture, const Camera *camera, Error *err)
                                                  sizeof(Branch), "picture", err);
     if (error_is_set(err) || !collect_lights(picture, err))
         return false;
-    for (size_t i = 0; i < room->material_count; i++) {
-        specular = specular || specular_exists(&room->materials[i]);
+    for (size_t i = 0; i < room->material_count; i++)
         picture->clear = picture->clear || rgb_max(room->materials[i].transmittance) > 0;
-    }
-    if (specular)
-        picture->smooth = normals_create(room->surfaces, err);
+    picture->smooth = normals_create(room->surfaces, err);
     camera_rays_init(&picture->camera, camera, o->width, o->height);
     camera_rays_crop(&picture->camera, picture->image->left, picture->image->top);
     filter_table_init(&picture->filter, o->filter);

@@ -43,8 +43,9 @@ static void linear_fields_come_back(void **state)
     Records     *records = grid(radius, 0);
     records_fit(records, 0, SIDE * SIDE);
     for (int k = 0; k < 200; k++) {
-        const Receiver at = { vec3(0.3 + 0.4 * k / 200, 0.3 + 0.4 * (k * 37 % 200) / 200, 0),
-                              vec3(0, 0, 1) };
+        const Receiver at = { .point = { 0.3 + 0.4 * k / 200,
+                                         0.3 + 0.4 * (k * 37 % 200) / 200, 0 },
+                              .normal = { 0, 0, 1 } };
         const double slope = sqrt(1.25);
         Recorded     out;
         assert_true(records_find(records, &at, &out));
@@ -60,7 +61,7 @@ static void linear_fields_come_back(void **state)
 static void noise_is_told(void **state)
 {
     (void)state;
-    const Receiver at = { vec3(0.5, 0.5, 0), vec3(0, 0, 1) };
+    const Receiver at = { .point = { 0.5, 0.5, 0 }, .normal = { 0, 0, 1 } };
     Recorded       out;
     Records       *alone = grid(0.1, 0.25), *many = grid(0.4, 0.25);
     assert_true(records_find(alone, &at, &out));
@@ -79,11 +80,13 @@ static void strangers_are_refused(void **state)
 {
     (void)state;
     Records *records = grid(0.2, 0);
-    static const Receiver far[] = { { { 1.5, 0.5, 0 }, { 0, 0, 1 } },
-                                    { { 0.5, 0.5, 0 }, { 0, 0, -1 } },
-                                    { { 0.5, 0.5, 0.05 }, { 0, 0, 1 } },
-                                    { { 0.5, 0.5, 0 }, { 1, 0, 0 } },
-                                    { { -1e30, 1e30, 0 }, { 0, 0, 1 } } };
+    static const Receiver far[] = {
+        { .point = { 1.5, 0.5, 0 }, .normal = { 0, 0, 1 } },
+        { .point = { 0.5, 0.5, 0 }, .normal = { 0, 0, -1 } },
+        { .point = { 0.5, 0.5, 0.05 }, .normal = { 0, 0, 1 } },
+        { .point = { 0.5, 0.5, 0 }, .normal = { 1, 0, 0 } },
+        { .point = { -1e30, 1e30, 0 }, .normal = { 0, 0, 1 } }
+    };
     Recorded out;
     for (size_t i = 0; i < sizeof far / sizeof far[0]; i++)
         assert_false(records_find(records, &far[i], &out));
