@@ -54,7 +54,9 @@ bool cmd_solve(Pipeline *pipeline, int *exit_code, Error *err)
     const char *output = session->options.output;
     if (!check_name(&session->options, err) ||
         !pipeline_accuracy_allowed(&session->options, err) || !pipeline_read(pipeline, err) ||
-        !pipeline_mesh(pipeline, err) || !pipeline_patches(pipeline, err))
+        !pipeline_mesh(pipeline, err) ||
+        (session->options.importance && !pipeline_camera(pipeline, err)) ||
+        !pipeline_patches(pipeline, err))
         return false;
     if (session->options.compare)
         return pipeline_factors(pipeline, err) && compare(pipeline, exit_code, err);

@@ -46,6 +46,8 @@ _Static_assert(TONE_SHOULDER == 0 && TONE_LINEAR == 1 && TONE_REINHARD == 2 && T
 #define SHOWING (SOLVING | COMMAND_VIEW)
 #define BUILDING (LINKING | COMMAND_VIEW)
 #define DRAWING (COMMAND_RENDER | COMMAND_VIEW)
+/* Those with a camera; solve has one for --importance. */
+#define VIEWING (DRAWING | COMMAND_BENCH | COMMAND_SOLVE)
 #define SAVING (COMMAND_RENDER | COMMAND_SOLVE | COMMAND_MEASURE | COMMAND_FACTORS)
 #define READING (LINKING | COMMAND_CHECK)
 
@@ -121,6 +123,11 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       "progressive: patches send the light they expect back as well" },
     { OPTION_NO_AMBIENT, "--no-ambient", NULL, SOLVING, KIND_FLAG, FIELD(no_ambient), 0, 0, NULL,
       "progressive, stopped early: no estimate of what was not shot" },
+    { OPTION_IMPORTANCE, "--importance", NULL, COMMAND_RENDER | COMMAND_SOLVE,
+      KIND_FLAG, FIELD(importance), 0, 0, NULL,
+      "hierarchical: light that the camera receives counts, by its way back" },
+    { OPTION_NO_LAST_GATHER, "--no-last-gather", NULL, SOLVING, KIND_FLAG, FIELD(no_last_gather),
+      0, 0, NULL, "hierarchical: leave light as links between clusters have it" },
     { OPTION_COMPARE, "--compare", NULL, COMMAND_SOLVE, KIND_FLAG, FIELD(compare), 0, 0, NULL,
       "run all solvers on the same factors: -o FILE.csv and a plot FILE.svg" },
     { OPTION_SET, "--set", "CHANGE", SOLVING, KIND_TEXTS, FIELD(set), 0, 0, NULL,
@@ -168,15 +175,15 @@ static const OptionRow option_rows[OPTION_COUNT] = {
     { OPTION_PIXEL_FILTER, "--pixel-filter", "SHAPE", DRAWING, KIND_CHOICE,
       FIELD(pixel_filter), 0, 0, "box,tent,gauss,blackman-harris",
       "how samples around a pixel count (default box: its square alone)" },
-    { OPTION_CAMERA, "--camera", "NAME", DRAWING | COMMAND_BENCH, KIND_TEXT, FIELD(camera),
+    { OPTION_CAMERA, "--camera", "NAME", VIEWING, KIND_TEXT, FIELD(camera),
       0, 0, NULL, "of the file; render: also A,B or all (default: its first, or a view)" },
-    { OPTION_EYE, "--eye", "X,Y,Z", DRAWING | COMMAND_BENCH, KIND_VECTOR, FIELD(eye), 0, 0,
+    { OPTION_EYE, "--eye", "X,Y,Z", VIEWING, KIND_VECTOR, FIELD(eye), 0, 0,
       NULL, "a view of your own: where the eye is" },
-    { OPTION_TARGET, "--target", "X,Y,Z", DRAWING | COMMAND_BENCH, KIND_VECTOR,
+    { OPTION_TARGET, "--target", "X,Y,Z", VIEWING, KIND_VECTOR,
       FIELD(target), 0, 0, NULL, "what it looks at (default: the scene's middle)" },
     { OPTION_UP, "--up", "X,Y,Z", SHOWING, KIND_VECTOR, FIELD(up), 0, 0,
       NULL, "what is up (default: as the file says)" },
-    { OPTION_FOV, "--fov", "DEG", DRAWING | COMMAND_BENCH, KIND_NUMBER, FIELD(fov), 0.01,
+    { OPTION_FOV, "--fov", "DEG", VIEWING, KIND_NUMBER, FIELD(fov), 0.01,
       360, NULL, "vertical field of view, whole angle (fisheye and panorama: default 180)" },
     { OPTION_PROJECTION, "--projection", "KIND", COMMAND_RENDER, KIND_CHOICE, FIELD(projection), 0,
       0, "perspective,orthographic,fisheye,panorama", "of the camera (default: as the file says)" },

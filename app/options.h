@@ -85,6 +85,8 @@ typedef enum {
     OPTION_RELAXATION,
     OPTION_OVERSHOOT,
     OPTION_NO_AMBIENT,
+    OPTION_IMPORTANCE,
+    OPTION_NO_LAST_GATHER,
     OPTION_COMPARE,
     OPTION_SET,
     OPTION_CHANGES,
@@ -179,6 +181,7 @@ typedef struct Options {
     double      crop[4];     /* left, top, right, bottom; only when given */
     double      view_height, aperture, focus;
     bool        print_config, diffuse, help, adapt, no_adapt, constant;
+    bool        importance, no_last_gather;
     bool        overshoot, no_ambient, compare, light_groups;
     const char *changes;     /* file of changes */
     const char *script, *screenshot; /* view */

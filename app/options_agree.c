@@ -71,6 +71,16 @@ static bool of_progressive(const Options *o)
     return o->solver == SOLVER_PROGRESSIVE || o->compare;
 }
 
+static bool of_hierarchical(const Options *o)
+{
+    return o->solver == SOLVER_HIERARCHICAL && !o->compare;
+}
+
+static bool of_importance(const Options *o)
+{
+    return o->importance;
+}
+
 static bool of_adapting(const Options *o)
 {
     return !o->no_adapt;
@@ -114,6 +124,11 @@ static bool belongings(const Options *options, Error *err)
         { OPTION_RELAXATION, SOLVING, of_sor, "belongs to --solver sor" },
         { OPTION_OVERSHOOT, SOLVING, of_progressive, "belongs to --solver progressive" },
         { OPTION_NO_AMBIENT, SOLVING, of_progressive, "belongs to --solver progressive" },
+        { OPTION_IMPORTANCE, SOLVING, of_hierarchical, "belongs to --solver hierarchical" },
+        { OPTION_NO_LAST_GATHER, SOLVING, of_hierarchical, "belongs to --solver hierarchical" },
+        { OPTION_CAMERA, COMMAND_SOLVE, of_importance, "belongs to --importance" },
+        { OPTION_EYE, COMMAND_SOLVE, of_importance, "belongs to --importance" },
+        { OPTION_FOV, COMMAND_SOLVE, of_importance, "belongs to --importance" },
         { OPTION_SOLVER, COMMAND_SOLVE, of_one_solver, "does not go with --compare, which runs "
           "them all" },
         { OPTION_LEAST_SIZE, SOLVING, of_adapting, "belongs to --adapt, not to --no-adapt" },
@@ -142,7 +157,7 @@ static bool renderer_reads(const Options *options, Error *err)
         OPTION_NO_ADAPT, OPTION_LEAST_SIZE, OPTION_RAYS, OPTION_LAMP_RAYS, OPTION_CLOSURE,
         OPTION_STORAGE, OPTION_SOLVER, OPTION_TOLERANCE, OPTION_MAX_ITERATIONS,
         OPTION_RELAXATION, OPTION_OVERSHOOT, OPTION_NO_AMBIENT, OPTION_GATHER_RAYS,
-        OPTION_RECORD_RAYS
+        OPTION_RECORD_RAYS, OPTION_IMPORTANCE, OPTION_NO_LAST_GATHER
     };
     char word[32];
     if (options->command != COMMAND_RENDER)

@@ -6,12 +6,32 @@
 
 #include "app/progress.h"
 #include "app/trace.h"
+#include "app/commands.h"
+#include "base/array.h"
+#include "render/seen.h"
 
 /* What links may take of --max-memory, less what is in use. */
 static uint64_t memory_left(const Session *session)
 {
     const uint64_t limit = session->options.max_memory, used = progress_peak_bytes();
     return limit == 0 ? 0 : limit > used ? limit - used : 1;
+}
+
+/* What of its picture each patch takes up, of all cameras together; NULL: it was not asked for, or
+ * there is no camera. */
+static double *what_is_seen(Pipeline *pipeline, Error *err)
+{
+    const int width = pipeline->width, height = pipeline->height;
+    if (!pipeline->session->options.importance || !pipeline->has_camera)
+        return NULL;
+    double *seen = array_create(pipeline->patches->count, sizeof *seen, "what is seen", err);
+    view_size(pipeline);
+    for (uint32_t k = 0; k < pipeline->view_count && !error_is_set(err); k++)
+        seen_add(&pipeline->room, &pipeline->view[k], pipeline->width, pipeline->height,
+                 1.0 / pipeline->view_count, seen, err);
+    pipeline->width = width;
+    pipeline->height = height;
+    return seen;
 }
 
 bool pipeline_clusters_solve(Pipeline *pipeline, Error *err)
@@ -22,15 +42,19 @@ bool pipeline_clusters_solve(Pipeline *pipeline, Error *err)
     assert(settings->clusters);
     if (!trace_begin(&trace, session->options.trace, pipeline->links->rays, err))
         return false;
+    double *seen = what_is_seen(pipeline, err);
     const bool given = options_given(&session->options, OPTION_TOLERANCE);
     const ClustersOptions options = { .tolerance = given ? settings->tolerance : 0,
-                                      .rays = settings->rays, .gather = settings->rays,
+                                      .rays = settings->rays, .seen = seen,
+                                      .gather = session->options.no_last_gather ? 0
+                                                                                : settings->rays,
                                       .sights = settings->lamp_rays, .seed = settings->seed,
                                       .threads = settings->threads,
                                       .memory = memory_left(session), .trace_user = &trace,
                                       .trace = trace.file != NULL ? trace_step : NULL };
     pipeline->solution = clusters_solve(&pipeline->room, &pipeline->places, &pipeline->problem,
                                         &options, &pipeline->clusters, &session->monitor, err);
+    array_free(seen);
     return trace_finish(&trace, err) && pipeline->solution != NULL;
 }
 

@@ -209,6 +209,17 @@ static void put_clusters(Json *json, const ClustersReport *r)
     json_count(json, "rounds", r->rounds);
     json_count(json, "bytes", r->bytes);
     json_number(json, "rows_lacked", r->rows);
+    if (r->gathered) {
+        json_count(json, "gather_rays", r->gather_rays);
+        json_count(json, "gathered_patches", r->gathered_patches);
+        json_number(json, "noise", r->noise);
+        json_numbers(json, "balance_scale", r->scale, ROOM_BANDS);
+        json_count(json, "groups", r->groups);
+    }
+    if (r->guided) {
+        json_numbers(json, "camera_by_light", r->response, ROOM_BANDS);
+        json_numbers(json, "camera_by_importance", r->adjoint, ROOM_BANDS);
+    }
 }
 
 static void put_solve(Json *json, const Pipeline *pipeline)

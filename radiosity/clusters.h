@@ -53,6 +53,8 @@ typedef struct {
     uint64_t bytes;      /* of links and nodes, the most at a time */
     uint32_t groups;     /* that light was evened out over in the last reflection */
     uint32_t nodes, rounds;
+    uint32_t gathered_patches; /* those that took part in it: with importance, what is of some */
+    bool     guided;     /* by importance */
     bool     gathered;   /* the last reflection was asked for and done */
     bool     full;       /* no more links fitted into the memory */
 } ClustersReport;

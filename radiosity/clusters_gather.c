@@ -13,10 +13,16 @@
 /* Two rows for each patch, with points of their own: their difference tells the noise. */
 enum { HALVES = 2, GATHER_PATCHES = 256 };
 
+/* Share of the mean weight, by number or area, that a patch gathers at least: more than importance
+ * leaves to all by their areas. */
+static const double LEAST_WEIGHT = 0.1;
+
 typedef struct {
     const ClusterLinks *links;
     const double *radiosity; /* [patches * ROOM_BANDS]  what is gathered */
     LampTable     lamps;
+    uint32_t     *patch;     /* [patches]  those that gather */
+    uint32_t      patches;
     RowTile      *tile;      /* [threads] */
     double       *came[HALVES]; /* [patches * ROOM_BANDS]  irradiance */
     float        *escape;    /* [patches]  of both rows, their sum */
@@ -46,7 +52,7 @@ static void gather_chunk(void *context, uint32_t begin, uint32_t end, unsigned w
     RowTile *tile = &last->tile[worker];
     for (uint32_t first = begin; first < end; first += tile->most) {
         const uint32_t count = end - first < tile->most ? end - first : tile->most;
-        const uint32_t *patch = &links->tree->patch[first];
+        const uint32_t *patch = &last->patch[first];
         for (unsigned half = 0; half < HALVES; half++) {
             row_tile_cast(tile, room, &last->lamps, patch, count,
                           sampling_seed(links->seed, SEED_POINTS, half, 0));
@@ -136,6 +142,30 @@ static double take(const LastGather *last, const SolveProblem *p, Solution *solu
     return sum > 0 ? sqrt(noise * tree->before[tree->leaves]) / sum : 0;
 }
 
+/* Chooses who gathers; the others have their irradiance already. With importance there are patches
+ * that next to nothing of what is seen comes from. */
+static void choose(LastGather *last, const double *weight, const SolveProblem *p,
+                   const Solution *solution)
+{
+    const ClusterTree *tree = last->links->tree;
+    const Links *places = last->links->shooter.places->links;
+    const double least = LEAST_WEIGHT / tree->leaves;
+    for (uint32_t n = 0; n < tree->count; n++) {
+        const uint32_t patch = tree->patch[tree->node[n].begin];
+        if (tree->node[n].child != 0)
+            continue;
+        if (weight[n] >= fmin(least, LEAST_WEIGHT * tree->node[n].area / tree->node[0].area)) {
+            last->patch[last->patches++] = patch;
+            continue;
+        }
+        last->escape[patch] = HALVES * places->escape[patch];
+        for (size_t at = (size_t)patch * ROOM_BANDS; at < ((size_t)patch + 1) * ROOM_BANDS; at++)
+            for (unsigned half = 0; half < HALVES; half++)
+                last->came[half][at] = solution->irradiance[at] -
+                                       (p->received != NULL ? p->received[at] : 0);
+    }
+}
+
 static bool create(LastGather *last, const ClustersOptions *options, Error *err)
 {
     static const char what[] = "the last reflection";
@@ -146,6 +176,7 @@ static bool create(LastGather *last, const ClustersOptions *options, Error *err)
     if (!lamp_table_create(room, &last->lamps, err))
         return false;
     const uint32_t sights = last->lamps.count > 0 ? (options->sights + HALVES - 1) / HALVES : 0;
+    last->patch = array_create(room->patches->count, sizeof *last->patch, what, err);
     last->escape = array_create(room->patches->count, sizeof *last->escape, what, err);
     last->tile = array_create(links->threads, sizeof *last->tile, what, err);
     for (unsigned k = 0; k < HALVES; k++)
@@ -156,13 +187,15 @@ static bool create(LastGather *last, const ClustersOptions *options, Error *err)
 }
 
 bool clusters_gather(const ClusterLinks *links, const SolveProblem *problem,
-                     const ClustersOptions *options, Solution *solution, ClustersReport *report,
-                     const Monitor *monitor, Error *err)
+                     const ClustersOptions *options, const double *weight, Solution *solution,
+                     ClustersReport *report, const Monitor *monitor, Error *err)
 {
     LastGather last = { .links = links, .radiosity = solution->radiosity };
     const Progress progress = { .stage = "solve", .energy_left = -1 };
     if (create(&last, options, err)) {
-        report->gathered = parallel_for(links->tree->leaves, GATHER_PATCHES, links->threads,
+        choose(&last, weight, problem, solution);
+        report->gathered_patches = last.patches;
+        report->gathered = parallel_for(last.patches, GATHER_PATCHES, links->threads,
                                         gather_chunk, &last, monitor, &progress);
         if (report->gathered && even_out(&last, report, err))
             report->noise = take(&last, problem, solution, report);
@@ -174,6 +207,7 @@ bool clusters_gather(const ClusterLinks *links, const SolveProblem *problem,
     array_free(last.tile);
     for (unsigned k = 0; k < HALVES; k++)
         array_free(last.came[k]);
+    array_free(last.patch);
     array_free(last.escape);
     lamp_table_clear(&last.lamps);
     return !error_is_set(err);
