@@ -133,6 +133,12 @@ demo: deps
 	@echo "The picture:"
 	@realpath $(BUILD)/demo/cornell.* | sed 's/^/  /'
 
+# The pictures of docs/viewer.md, on a screen of their own.
+.PHONY: viewer-pictures
+viewer-pictures: deps
+	@$(SUBMAKE) all
+	@ISOLUX=$(BUILD)/isolux tools/viewer_pictures.sh docs/images
+
 # --- speed: against Embree where its headers are, which only this program is linked with ----------
 
 EMBREE := $(wildcard /usr/include/embree3/rtcore.h)
@@ -286,6 +292,7 @@ help:
 	@echo "make test-one T=test_msd         one test program"
 	@echo "make fuzz       clang's fuzzer on every reader, FUZZ_SECONDS=10 each"
 	@echo "make bench      rays per second against Embree (if installed): build/bench.json"
+	@echo "make viewer-pictures  the pictures of docs/viewer.md anew"
 	@echo "make valgrind   test programs under memcheck; takes a while"
 	@echo "make coverage   tests with line coverage: build/coverage/report.html"
 	@echo "make layers     refuse includes that point upwards"

@@ -18,7 +18,7 @@ static const double SAID_FRAMES = 1000;
 typedef enum {
     DO_KEY, DO_HOLD, DO_MOVE, DO_CLICK, DO_DOUBLE, DO_DRAG, DO_WHEEL, DO_RESIZE, DO_SCALE,
     DO_MINIMISE, DO_RESTORE, DO_LOSE_CONTEXT, DO_WAIT_FRAMES,
-    DO_WAIT_STEP, DO_WAIT_PICTURE, DO_WAIT_SETTLED,
+    DO_WAIT_STEP, DO_WAIT_PICTURE, DO_WAIT_TILES, DO_WAIT_SETTLED,
     DO_WAIT_SAID, DO_SCREENSHOT
 } What;
 
@@ -75,7 +75,7 @@ static bool take_text(Step *step, char **rest, Error *err)
     return step->text != NULL;
 }
 
-/* "frames N", "picture", "settled" and "said TEXT" make other commands of "wait". */
+/* "frames N", "picture", "tiles X", "settled" and "said TEXT" make other commands of "wait". */
 static bool take_wait(Step *step, const char *word, char **rest, Error *err)
 {
     static const char *const steps[] = { "reading", "lit", "shot", "linked", "solved" };
@@ -84,6 +84,14 @@ static bool take_wait(Step *step, const char *word, char **rest, Error *err)
         step->what = DO_WAIT_FRAMES;
         step->number[0] = strtod(*rest, &end);
         const bool found = end != *rest && step->number[0] >= 1;
+        *rest = end;
+        return found;
+    }
+    if (strcmp(word, "tiles") == 0) {
+        char *end;
+        step->what = DO_WAIT_TILES;
+        step->number[0] = strtod(*rest, &end);
+        const bool found = end != *rest && step->number[0] >= 0 && step->number[0] <= 1;
         *rest = end;
         return found;
     }
@@ -261,6 +269,8 @@ static bool carry_out(const Step *step, double frame, const ScriptState *state, 
         return (int)state->step >= step->code;
     case DO_WAIT_SAID:
         return strstr(state->notice, step->text) != NULL;
+    case DO_WAIT_TILES:
+        return state->picture == EASEL_DONE || state->tiles >= step->number[0];
     case DO_WAIT_SETTLED:
         return state->settled;
     case DO_WAIT_PICTURE:
@@ -275,7 +285,7 @@ static bool never_comes(const Step *step, double frame, const ScriptState *state
 {
     if (step->what == DO_WAIT_SAID)
         return frame > SAID_FRAMES;
-    if (step->what == DO_WAIT_PICTURE)
+    if (step->what == DO_WAIT_PICTURE || step->what == DO_WAIT_TILES)
         return state->picture == EASEL_EMPTY || state->picture == EASEL_FAILED;
     return step->what == DO_WAIT_STEP && state->finished && (int)state->step < step->code;
 }

@@ -14,6 +14,7 @@
  *   lose-context             as if the graphics card had lost all it held
  *   wait frames N | wait lit | wait shot | wait linked | wait solved
  *   wait picture             until the one that R asked for is finished
+ *   wait tiles X             until that share of it is, 0..1
  *   wait settled             until light has followed all that was changed
  *   wait said TEXT           until the window says a line with that in it
  *   screenshot FILE          PNG of the next frame
@@ -37,6 +38,7 @@ typedef struct {
     bool      finished;     /* the solver has ended: nothing more is to come */
     bool      settled;      /* light is solved for as lamps and paint are now */
     EaselState picture;
+    double    tiles;        /* share of it that is finished */
     const char *notice;     /* the line that is shown last; "": none */
 } ScriptState;
 

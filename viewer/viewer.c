@@ -129,10 +129,13 @@ static double patience(const Viewer *viewer)
 static bool run_script(Viewer *viewer, Error *err)
 {
     const char *screenshot = NULL;
+    double tiles = 0;
+    const EaselState picture = easel_state(&viewer->control->easel, NULL, &tiles);
     const ScriptState state = {
         .step = viewer->shown != NULL ? viewer->shown->step : STEP_READING,
         .finished = atomic_load(&viewer->control->finished),
-        .picture = easel_state(&viewer->control->easel, NULL, NULL),
+        .picture = picture,
+        .tiles = tiles,
         .notice = viewer->notice,
         .settled = viewer->settled,
     };
