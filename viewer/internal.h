@@ -26,6 +26,7 @@ typedef struct Viewer {
     const ViewerOptions *options;
     Mailbox    *mailbox;
     Control    *control;
+    Pace       *pace;
     Window     *window;
     Gl         *gl;
     Script     *script;        /* NULL: none */

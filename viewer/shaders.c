@@ -52,30 +52,67 @@ const char *const shader_patch_vertex =
     "    gl_Position = matrix * vec4(place, 1);\n"
     "}\n";
 
-const char *const shader_patch_fragment =
+/* Small patches are shaded in whole blocks of pixels, most of which are thrown away: faces only
+ * write linear light, scaled to the range of half floats, and shader_resolve_fragment bends it,
+ * once a pixel. One program for each kind of face: a card without branches computes all of them. */
+#define LINEAR                                                                                     \
+    "uniform float scale; out vec4 colour;\n"                                                      \
+    "vec4 linear_light(vec3 light) { return vec4(clamp(light * scale, 0.0, 60000.0), 1); }\n"
+
+#define PATCH_NUMBER                                                                               \
+    "uniform usamplerBuffer patch_of;\n"                                                           \
+    "int patch_number() { return int(texelFetch(patch_of, gl_PrimitiveID).r); }\n"
+
+const char *const shader_smooth_fragment =
+    "#version 330 core\n"
+    LINEAR
+    "in vec3 smooth_light;\n"
+    "void main() { colour = linear_light(smooth_light); }\n";
+
+const char *const shader_flat_fragment =
+    "#version 330 core\n"
+    LINEAR
+    PATCH_NUMBER
+    "uniform samplerBuffer patch_light;\n"
+    "void main() { colour = linear_light(texelFetch(patch_light, patch_number()).rgb); }\n";
+
+const char *const shader_false_smooth_fragment =
+    "#version 330 core\n"
+    FALSE_COLOUR
+    "in float smooth_value; out vec4 colour;\n"
+    "void main() { colour = vec4(false_colour(smooth_value), 1); }\n";
+
+const char *const shader_false_flat_fragment =
+    "#version 330 core\n"
+    FALSE_COLOUR
+    PATCH_NUMBER
+    "uniform samplerBuffer patch_value; out vec4 colour;\n"
+    "void main() {\n"
+    "    colour = vec4(false_colour(texelFetch(patch_value, patch_number()).r), 1);\n"
+    "}\n";
+
+const char *const shader_back_fragment =
+    "#version 330 core\n"
+    "uniform int back; in vec3 way; out vec4 colour;\n"
+    "void main() {\n"
+    "    vec3 n = normalize(cross(dFdx(way), dFdy(way)));\n"
+    "    float lit = 0.35 + 0.4 * abs(n.z) + 0.15 * abs(n.y) + 0.05 * abs(n.x);\n"
+    "    vec3 paint = back == 1 ? vec3(0.80, 0.10, 0.08) : vec3(0.32, 0.33, 0.35);\n"
+    "    bool stripe = back == 1 && mod(gl_FragCoord.x + gl_FragCoord.y, 12.0) < 3.0;\n"
+    "    colour = vec4(paint * lit * (stripe ? 0.7 : 1.0), 1);\n"
+    "}\n";
+
+/* Linear light and depth of the faces into the window; nothing where there was no face. */
+const char *const shader_resolve_fragment =
     "#version 330 core\n"
     TONE
-    FALSE_COLOUR
-    "in vec3 smooth_light; in vec3 way; in float smooth_value; out vec4 colour;\n"
-    "uniform int falsely; uniform samplerBuffer patch_value;\n"
-    "uniform samplerBuffer patch_light; uniform usamplerBuffer patch_of;\n"
-    "uniform int flat_light; uniform int back; uniform int picked;\n"
+    "uniform sampler2D picture, depth; out vec4 colour;\n"
     "void main() {\n"
-    "    int number = int(texelFetch(patch_of, gl_PrimitiveID).r);\n"
-    "    if (back != 0) {\n"
-    "        vec3 n = normalize(cross(dFdx(way), dFdy(way)));\n"
-    "        float lit = 0.35 + 0.4 * abs(n.z) + 0.15 * abs(n.y) + 0.05 * abs(n.x);\n"
-    "        vec3 paint = back == 1 ? vec3(0.80, 0.10, 0.08) : vec3(0.32, 0.33, 0.35);\n"
-    "        bool stripe = back == 1 && mod(gl_FragCoord.x + gl_FragCoord.y, 12.0) < 3.0;\n"
-    "        colour = vec4(paint * lit * (stripe ? 0.7 : 1.0), 1);\n"
-    "        return;\n"
-    "    }\n"
-    "    vec3 c = shown(flat_light != 0 ? texelFetch(patch_light, number).rgb : smooth_light);\n"
-    "    if (falsely != 0)\n"
-    "        c = false_colour(flat_light != 0 ? texelFetch(patch_value, number).r\n"
-    "                                         : smooth_value);\n"
-    "    if (number == picked) c = mix(c, vec3(1.0, 0.65, 0.1), 0.35);\n"
-    "    colour = vec4(c, 1);\n"
+    "    ivec2 at = ivec2(gl_FragCoord.xy);\n"
+    "    vec4 v = texelFetch(picture, at, 0);\n"
+    "    if (v.a < 0.5) discard;\n"
+    "    gl_FragDepth = texelFetch(depth, at, 0).r;\n"
+    "    colour = vec4(shown(v.rgb), 1);\n"
     "}\n";
 
 const char *const shader_line_vertex =

@@ -86,6 +86,9 @@ static bool take_new(Viewer *viewer, Error *err)
     /* A lamp that is dimmed is to look dimmed. */
     viewer->exposure_due = viewer->exposure_due || (viewer->automatic && !viewer->changing);
     viewer->dirty = true;
+    if (!pace_snapshot(viewer->pace, snapshot, atomic_load(&viewer->control->finished),
+                       window_time(), err))
+        return false;
     measuring_renew(viewer);
     return gl_take(viewer->gl, snapshot, viewer->view.layer, err);
 }
@@ -152,8 +155,10 @@ static bool run_script(Viewer *viewer, Error *err)
 static void handle_events(Viewer *viewer)
 {
     Event event;
-    while (window_next(viewer->window, &event))
+    while (window_next(viewer->window, &event)) {
+        pace_event(viewer->pace, window_time());
         input_event(viewer, &event);
+    }
     input_fly(viewer, window_time() - viewer->last_frame);
 }
 
@@ -178,6 +183,7 @@ static bool one_frame(Viewer *viewer, Error *err)
         return true;
     if (!renew_if_lost(viewer, err))
         return false;
+    const double begin = window_time();
     draw_frame(viewer);
     if (viewer->screenshot[0] != '\0')
         files_save_frame(viewer, viewer->screenshot, viewer->by_key);
@@ -188,13 +194,17 @@ static bool one_frame(Viewer *viewer, Error *err)
     if (viewer->close && options->screenshot != NULL)
         files_save_frame(viewer, options->screenshot, false);
     window_show(viewer->window);
+    pace_frame(viewer->pace, begin, window_time(), viewer->shown != NULL,
+               atomic_load(&viewer->control->finished));
     return true;
 }
 
-bool viewer_run(const ViewerOptions *options, Mailbox *mailbox, Control *control, Error *err)
+bool viewer_run(const ViewerOptions *options, Mailbox *mailbox, Control *control, Pace *pace,
+                Error *err)
 {
     assert(options->width > 0 && options->height > 0);
     Viewer viewer = { .options = options, .mailbox = mailbox, .control = control,
+                      .pace = pace,
                       .automatic = !options->exposure_set, .panels = !options->no_panels,
                       .at_home = true, .dirty = true };
     viewer.view = (GlView){ .exposure = options->exposure_set ? options->exposure : 0,

@@ -5,6 +5,7 @@
 
 #include "render/image.h"
 #include "viewer/control.h"
+#include "viewer/pace.h"
 #include "viewer/snapshot.h"
 
 typedef struct {
@@ -25,8 +26,9 @@ typedef struct {
 } ViewerOptions;
 
 /* Runs in the thread that called main until the window is closed, the script or the frames are
- * through, or control->failed. control->quit is set when it returns.
+ * through, or control->failed. control->quit is set when it returns. pace: of pace_init; filled.
  * fails  false; ERROR_FAILED without a screen or OpenGL, ERROR_INPUT for the script. */
-bool viewer_run(const ViewerOptions *options, Mailbox *mailbox, Control *control, Error *err);
+bool viewer_run(const ViewerOptions *options, Mailbox *mailbox, Control *control, Pace *pace,
+                Error *err);
 
 #endif
