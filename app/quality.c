@@ -33,8 +33,8 @@ static const Level levels[] = {
 };
 
 static const Picture pictures[] = {
-    [QUALITY_DRAFT] = { QUALITY_DRAFT, 256, 16, 64, 0.02 },
-    [QUALITY_MEDIUM] = { QUALITY_DRAFT, 1024, 16, 256, 0.008 },
+    [QUALITY_DRAFT] = { QUALITY_DRAFT, 384, 16, 64, 0.02 },
+    [QUALITY_MEDIUM] = { QUALITY_DRAFT, 1536, 16, 256, 0.008 },
     [QUALITY_HIGH] = { QUALITY_MEDIUM, 2048, 32, 1024, 0.004 },
     [QUALITY_FINAL] = { QUALITY_FINAL, 0, 4, 1024, 0 },
 };

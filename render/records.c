@@ -58,6 +58,9 @@ static int level_of(double radius)
     return level < 0 ? 0 : level >= LEVELS ? LEVELS - 1 : level;
 }
 
+/* How far it is of use. */
+static double reach_of(const Record *record) { return record->radius * record->stretch; }
+
 static double cells_per_unit(int level) { return ldexp(1, LEVELS / 2 - level); }
 
 /* The cell number along one axis, wrapped: strangers may share a number, neighbours do not. */
@@ -77,8 +80,9 @@ static uint32_t bucket_of(const Records *r, int level, uint32_t x, uint32_t y, u
 /* The buckets of the cells that a record's ball touches, without repeats; returns how many. */
 static int buckets_of(const Records *r, const Record *record, uint32_t bucket[8])
 {
-    const int    level = level_of(record->radius);
-    const double scale = cells_per_unit(level), radius = record->radius;
+    const double radius = reach_of(record);
+    const int    level = level_of(radius);
+    const double scale = cells_per_unit(level);
     const Vec3   p = record->at.point;
     uint32_t     lo[3] = { cell_number(p.x - radius, scale), cell_number(p.y - radius, scale),
                            cell_number(p.z - radius, scale) };
@@ -112,7 +116,7 @@ static bool fill_grid(Records *r, Error *err)
         return false;
     uint32_t bucket[8];
     for (uint32_t i = 0; i < r->count; i++) {
-        r->used[level_of(r->record[i].radius)] = true;
+        r->used[level_of(reach_of(&r->record[i]))] = true;
         for (int k = buckets_of(r, &r->record[i], bucket); k-- > 0;)
             r->first[bucket[k] + 2]++;
     }
@@ -129,7 +133,8 @@ static bool fill_grid(Records *r, Error *err)
 
 static void make_level(Record *record)
 {
-    vec3_frame(record->at.normal, &record->s, &record->t);
+    assert(record->stretch >= 1);
+    record->across = vec3_cross(record->at.normal, record->along);
     memset(record->fit, 0, sizeof record->fit);
     record->fit[0][0] = record->irradiance.r;
     record->fit[1][0] = record->irradiance.g;
@@ -158,13 +163,15 @@ bool records_add(Records *r, const Record *record, uint32_t count, Error *err)
 
 /* --- reading --------------------------------------------------------------------------------- */
 
-/* 1 at the record, falling to 0 where its radius ends. */
+/* 1 at the record, falling to 0 where its ellipse ends. */
 static double nearness_of(const Record *record, const Receiver *at)
 {
     const Vec3   d = vec3_sub(at->point, record->at.point);
-    const double rr = record->radius * record->radius, dd = vec3_dot(d, d);
-    if (!(dd < rr))
+    const double rr = record->radius * record->radius, square = vec3_dot(d, d);
+    if (!(square < rr * record->stretch * record->stretch))
         return 0;
+    const double along = vec3_dot(d, record->along);
+    const double dd = square - along * along * (1 - 1 / (record->stretch * record->stretch));
     const double off = PLANE_WORTH * fmax(fabs(vec3_dot(d, record->at.normal)),
                                           fabs(vec3_dot(d, at->normal)));
     const double turn = 2 - 2 * vec3_dot(at->normal, record->at.normal); /* |n - n'|^2 */
@@ -194,8 +201,8 @@ static void visit(const Records *r, const Receiver *at, Visit call, void *contex
 static void find_basis(const Record *record, Vec3 point, double basis[3])
 {
     const Vec3   d = vec3_sub(point, record->at.point);
-    const double s = vec3_dot(d, record->s) / record->radius;
-    const double t = vec3_dot(d, record->t) / record->radius;
+    const double s = vec3_dot(d, record->along) / (record->radius * record->stretch);
+    const double t = vec3_dot(d, record->across) / record->radius;
     const double value[3] = { 1, s, t };
     memcpy(basis, value, sizeof value);
 }
@@ -257,11 +264,19 @@ typedef struct {
     double variance;
 } Fit;
 
+/* What a neighbour stands for: where records lie close, each speaks for little of the surface. */
+static double share_of(const Record *other, const Record *record)
+{
+    const double area = other->radius * reach_of(other), own = record->radius * reach_of(record);
+    return area < own ? area / own : 1;
+}
+
 static void fit_record(void *context, uint32_t index, double nearness)
 {
     Fit          *fit = context;
     const Record *other = &fit->records->record[index];
     double        basis[3];
+    nearness *= share_of(other, fit->record);
     find_basis(fit->record, other->at.point, basis);
     fit->weight += nearness;
     for (int i = 0; i < 3; i++) {
@@ -279,6 +294,7 @@ static void fit_noise(void *context, uint32_t index, double nearness)
     Fit          *fit = context;
     const Record *other = &fit->records->record[index];
     double        basis[3], share = 0;
+    nearness *= share_of(other, fit->record);
     find_basis(fit->record, other->at.point, basis);
     for (int i = 0; i < 3; i++)
         share += fit->solved[i] * nearness * basis[i];

@@ -2,8 +2,8 @@
 /* render/records.h -- indirect light kept at points of surfaces, and read in between them.
  *
  * A record holds the indirect irradiance of a point, how it changes along the surface, and the
- * radius within which it is of use. Between records their planes are blended, so that light
- * is smooth where it is in truth.
+ * ellipse within which it is of use: what is seen aslant is wide one way for the same pixels.
+ * Between records their planes are blended, so that light is smooth where it is in truth.
  * Method   irradiance caching [ward88], records placed before they are read. Values and slopes
  *          are fitted to the neighbours' values by least squares, which takes noise away too.
  * Threads  reading from any; adding and fitting from one at a time.
@@ -17,12 +17,14 @@
 
 typedef struct {
     Receiver at;
-    double   radius;
+    Vec3     along;      /* unit, along the surface: the long way of the ellipse */
+    double   radius;     /* across it */
+    double   stretch;    /* >= 1: as many times the radius along it */
     Rgb      irradiance; /* as gathered */
     double   deviation;  /* standard error of its luminance */
-    Vec3     s, t;       /* unit, along the surface; set by records_add, like all below */
+    Vec3     across;     /* unit; set by records_add, like all below */
     double   fitted_deviation;
-    double   fit[3][3];  /* of each band: 1, s, t, lengths in radii */
+    double   fit[3][3];  /* of each band: 1, along, across, lengths in radii */
 } Record;
 
 typedef struct Records Records;

@@ -13,23 +13,29 @@
 #include "render/wave.h"
 
 /* Pixels between the records of the coarsest and the finest grid. */
-enum { STRIDE_FIRST = 16, STRIDE_LAST = 4 };
+enum { STRIDE_FIRST = 16, STRIDE_MIDDLE = 8, STRIDE_LAST = 4 };
 enum { RECORDS_BLOCK = WAVE_POINTS / 2 }; /* each is gathered twice, to know its noise */
 enum { BLOCK_SIDE = 6 };  /* about its square root */
 enum { SEED_RECORD = 300, SEED_RECORD_TWIN, SEED_GUIDE };
 
-/* A point is served when a record is this near (records.h): half of the radius is left. */
-static const double NEAR_ENOUGH = 0.5;
+/* A point is served when a record is this near (records.h): two thirds of the radius are left. */
+static const double NEAR_ENOUGH = 0.65;
 /* The radius is at most this share of the distance to what is nearest, so that light is not carried
  * past what hides it, and of the distance over which the kernel of light's transport changes by as
  * much as itself: linear in the first place, second order in the second. */
 static const double NEAREST_SHARE = 0.6, CHANGE_SHARE = 0.3;
 /* In pixels: records do not lie closer than eye can tell, nor farther than the grids look. */
-static const double RADIUS_LEAST = 5, RADIUS_MOST = 32;
+static const double RADIUS_LEAST = 5, RADIUS_MOST = 16;
+/* What is seen more aslant than this is taken for no more so. */
+static const double SLANT_MOST = 3;
+/* Cosine beyond which rounding in float would tell which way a surface is seen aslant. */
+static const double STRAIGHT = 1 - 1e-4;
 
 typedef struct {
     Receiver at;
-    double   pixel;  /* width that a pixel covers there */
+    double   pixel;  /* width that a pixel covers there, across the view */
+    Vec3     along;  /* unit, on the surface: the way it is seen aslant */
+    double   slant;  /* >= 1: a pixel is as many times wider that way */
     uint32_t order;  /* neighbours in the picture have near numbers */
     bool     wanted;
 } Place;
@@ -49,6 +55,17 @@ typedef struct {
 } Fill;
 
 /* --- where ----------------------------------------------------------------------------------- */
+
+static void find_slant(Vec3 view, Place *place)
+{
+    const double cosine = fabs(vec3_dot(view, place->at.normal));
+    const Vec3   flat = vec3_mad(view, -vec3_dot(view, place->at.normal), place->at.normal);
+    Vec3         unused;
+    vec3_frame(place->at.normal, &place->along, &unused);
+    if (cosine < STRAIGHT)
+        place->along = vec3_unit(flat);
+    place->slant = 1 / fmin(fmax(cosine, 1 / SLANT_MOST), 1);
+}
 
 /* What pixel (x, y) shows, if that receives light and no record serves it. */
 static bool look_at(const Fill *fill, int x, int y, Place *place)
@@ -71,6 +88,7 @@ static bool look_at(const Fill *fill, int x, int y, Place *place)
     const double distance = vec3_length(vec3_sub(hit.point, o));
     *place = (Place){ .at = normals_receive(fill->gatherer->smooth, room, &hit), .wanted = true,
                       .pixel = camera_rays_footprint(fill->camera, distance) };
+    find_slant(d, place);
     return !records_find(fill->records, &place->at, &recorded) ||
            recorded.nearness < NEAR_ENOUGH;
 }
@@ -102,13 +120,27 @@ static void look_rows(void *context, uint32_t begin, uint32_t end, unsigned thre
 
 /* --- the light there ------------------------------------------------------------------------- */
 
-static double radius_of(const WaveView *one, const WaveView *two, double pixel)
+/* The ellipse of a record: what geometry allows either way, within what pixels allow. */
+static void find_ellipse(const WaveView *one, const WaveView *two, const Place *place,
+                         Record *record)
 {
+    const double pixel = place->pixel, wide = pixel * place->slant;
     const double closeness = one->closeness + two->closeness, bright = one->bright + two->bright;
     const double nearest = fmin(one->nearest, two->nearest);
     const double change = closeness > 0 ? sqrt(bright / closeness) : INFINITY;
     const double radius = fmin(NEAREST_SHARE * nearest, CHANGE_SHARE * change);
-    return fmin(fmax(radius, RADIUS_LEAST * pixel), RADIUS_MOST * pixel);
+    record->along = place->along;
+    record->radius = fmin(fmax(radius, RADIUS_LEAST * pixel), RADIUS_MOST * pixel);
+    record->stretch = fmin(fmax(radius, RADIUS_LEAST * wide), RADIUS_MOST * wide) /
+                      record->radius;
+}
+
+/* Hemisphere rays of each record of the grid. The fewest rays for the same noise per pixel are those
+ * that go with the root of the number of pixels that a record serves. */
+static uint32_t rays_of(const Fill *fill)
+{
+    const uint32_t rays = fill->wish->rays * (uint32_t)fill->stride / STRIDE_MIDDLE;
+    return rays > 2 ? rays : 2;
 }
 
 /* Where light comes from, as the points of a block learn together. */
@@ -121,7 +153,7 @@ static void train_block(const Fill *fill, Wave *wave, Guides *guides, uint32_t b
         at[i - begin] = fill->place[i].at;
         reach[i - begin] = BLOCK_SIDE * fill->stride * fill->place[i].pixel;
     }
-    guides_train(guides, wave, at, reach, end - begin, fill->wish->rays,
+    guides_train(guides, wave, at, reach, end - begin, rays_of(fill),
                  sampling_seed(begin, (uint32_t)fill->stride, fill->wish->seed, SEED_GUIDE));
 }
 
@@ -129,7 +161,8 @@ static void gather_block(const Fill *fill, Wave *wave, uint32_t begin, uint32_t 
 {
     Guides guides;
     const RecordsWish *wish = fill->wish;
-    const WaveOptions  options = { .gather_rays = wish->rays / 2, .lamp_rays = 1,
+    const uint32_t     rays = rays_of(fill);
+    const WaveOptions  options = { .gather_rays = rays / 2, .lamp_rays = 1,
                                    .clear = wish->clear, .indirect_only = true,
                                    .guides = &guides };
     train_block(fill, wave, &guides, begin, end);
@@ -147,10 +180,10 @@ static void gather_block(const Fill *fill, Wave *wave, uint32_t begin, uint32_t 
         const Rgb two = rgb_add(wave->indirect[k + 1], wave->direct[k + 1]);
         fill->record[i] = (Record){
             .at = fill->place[i].at,
-            .radius = radius_of(&wave->view[k], &wave->view[k + 1], fill->place[i].pixel),
             .irradiance = rgb_scale(rgb_add(one, two), 0.5),
             .deviation = fabs(rgb_luminance(one) - rgb_luminance(two)) / 2
         };
+        find_ellipse(&wave->view[k], &wave->view[k + 1], &fill->place[i], &fill->record[i]);
     }
 }
 

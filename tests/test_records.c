@@ -23,7 +23,8 @@ static Records *grid(double radius, double deviation)
     for (int j = 0; j < SIDE; j++)
         for (int i = 0; i < SIDE; i++) {
             Record r = { .at = { vec3(i / (SIDE - 1.0), j / (SIDE - 1.0), 0), vec3(0, 0, 1) },
-                         .radius = radius, .deviation = deviation };
+                         .along = { 1, 0, 0 }, .radius = radius, .stretch = 1,
+                         .deviation = deviation };
             const double e = field(r.at.point);
             r.irradiance = rgb(e, 2 * e, 1);
             assert_true(records_add(records, &r, 1, &err));
@@ -97,10 +98,41 @@ static void strangers_are_refused(void **state)
     records_destroy(records);
 }
 
+/* An ellipse three times as long as wide, along a diagonal: nearness falls to 0 at its rim, and on
+ * the way there it is what the same share of either half-axis gives. */
+static void ellipses_reach_as_far_as_they_say(void **state)
+{
+    (void)state;
+    const double root = sqrt(0.5), radius = 0.1;
+    const Vec3   along = vec3(root, root, 0), across = vec3(-root, root, 0);
+    Record r = { .at = { vec3(2, 3, 0), vec3(0, 0, 1) }, .along = along, .radius = radius,
+                 .stretch = 3, .irradiance = { 1, 2, 3 } };
+    Error    err = { 0 };
+    Records *records = records_create(&err);
+    assert_true(records_add(records, &r, 1, &err));
+    for (int k = 0; k < 20; k++) {
+        const double share = (k + 0.5) / 10;
+        for (int i = 0; i < 4; i++) {
+            const double turn = M_PI_2 * i + 0.3 * k; /* any way of the ellipse's plane */
+            const Vec3 p = vec3_mad(vec3_mad(r.at.point, 3 * radius * share * cos(turn), along),
+                                    radius * share * sin(turn), across);
+            const Receiver at = { p, vec3(0, 0, 1) };
+            Recorded out;
+            assert_true(records_find(records, &at, &out) == (share < 1));
+            if (share < 1) {
+                assert_true(fabs(out.nearness - (1 - share)) < 1e-12);
+                assert_true(fabs(out.irradiance.g - 2) < 1e-12);
+            }
+        }
+    }
+    records_destroy(records);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(linear_fields_come_back),
+        cmocka_unit_test(ellipses_reach_as_far_as_they_say),
         cmocka_unit_test(noise_is_told),
         cmocka_unit_test(strangers_are_refused),
     };
