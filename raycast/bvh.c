@@ -139,7 +139,7 @@ const char *bvh_isa(const Bvh *bvh)
 
 /* Rays that look for the nearest hit are sorted in blocks that stay in the cache next to a small
  * tree; a large tree does not fit anyway, and larger blocks have more rays that go the same way. */
-#define SORT_BLOCK 32768u
+#define SORT_BLOCK 16384u
 #define SORT_TREE ((size_t)32 << 20)
 
 /* Fewer rays than this are not worth sorting. */

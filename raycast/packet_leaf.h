@@ -112,6 +112,39 @@ LANES_INLINE void packet_decide(Packet *p, const Seen *s, unsigned lanes, uint32
     packet_offer(p, ok, p->backward ? ~at.back : at.back, primitive, place, at.t, at.u, at.v);
 }
 
+/* A hit's t in float, and how far from it that of packet_solve may be. With M the largest sheared
+ * coordinate and u = 2^-24, the edge functions in float are off by at most 4 u M^2 each, their sum
+ * by 22 u M^2 with its own roundings. So z_0 + (b (z_1 - z_0) + c (z_2 - z_0)) / sum is off by
+ * (10 + 22) u M^2 D / |sum|, D the sum of the two differences, and terms of higher order while that
+ * is a small part of D; what is left of 40 covers them. Then three roundings to t. Of sums below
+ * 2^-100 the products may have lost digits to underflow. */
+#define ESTIMATE_WEIGHTS (40 * PROBE_ROUNDING)
+#define ESTIMATE_SMALL 0.25f
+#define ESTIMATE_SCALE_MAX 0x1p100f
+#define ESTIMATE_T (8 * PROBE_ROUNDING)
+
+typedef struct {
+    Floats   from, to;
+    unsigned good; /* lanes for which this holds */
+} Estimate;
+
+LANES_INLINE Estimate packet_estimate(const Seen *s, const Floats edge[3], Floats inverse)
+{
+    Floats most = floats_abs(s->x[0]);
+    for (int i = 0; i < 3; i++)
+        most = floats_max(most, floats_max(floats_abs(s->x[i]), floats_abs(s->y[i])));
+    const Floats scale = floats_all(1) / (edge[0] + edge[1] + edge[2]);
+    const Floats d1 = s->z[1] - s->z[0], d2 = s->z[2] - s->z[0];
+    const Floats off = most * most * floats_abs(scale) * floats_all(ESTIMATE_WEIGHTS);
+    const Floats along = floats_fused(edge[1], d1, edge[2] * d2);
+    const Floats t = floats_fused(along, scale, s->z[0]) * inverse;
+    const Floats deep = (floats_abs(d1) + floats_abs(d2)) * floats_abs(inverse);
+    const Floats width = floats_fused(off, deep, floats_abs(t) * floats_all(ESTIMATE_T));
+    return (Estimate){ .from = t - width, .to = t + width,
+                       .good = floats_less(off, floats_all(ESTIMATE_SMALL))
+                               & floats_less(floats_abs(scale), floats_all(ESTIMATE_SCALE_MAX)) };
+}
+
 LANES_INLINE void packet_triangle(Packet *p, const TriangleGroup *group, unsigned i,
                                   uint32_t place, unsigned lanes, bool any)
 {
@@ -123,12 +156,21 @@ LANES_INLINE void packet_triangle(Packet *p, const TriangleGroup *group, unsigne
         s.x[c] = x - p->shear[0] * s.z[c];
         s.y[c] = y - p->shear[1] * s.z[c];
     }
-    const Floats a = s.x[2] * s.y[1] - s.y[2] * s.x[1];
-    const Floats b = s.x[0] * s.y[2] - s.y[0] * s.x[2];
-    const Floats c = s.x[1] * s.y[0] - s.y[1] * s.x[0];
-    const Floats zero = floats_all(0);
-    lanes &= floats_less_equal(zero, floats_min(floats_min(a, b), c))
-             | floats_less_equal(floats_max(floats_max(a, b), c), zero);
+    const Floats e[3] = { s.x[2] * s.y[1] - s.y[2] * s.x[1], s.x[0] * s.y[2] - s.y[0] * s.x[2],
+                          s.x[1] * s.y[0] - s.y[1] * s.x[0] };
+    const Floats zero = floats_all(0), least = floats_min(floats_min(e[0], e[1]), e[2]);
+    const Floats most = floats_max(floats_max(e[0], e[1]), e[2]);
+    lanes &= floats_less_equal(zero, least) | floats_less_equal(most, zero);
+    if (any && lanes != 0) {
+        const Estimate t = packet_estimate(&s, e, p->inverse[p->axis[2]]);
+        const unsigned strict = floats_less(zero, least) | floats_less(most, zero);
+        const unsigned sure = lanes & t.good & strict & floats_less(p->t_min, t.from)
+                              & floats_less(t.to, p->t);
+        lanes &= ~t.good | (floats_less_equal(p->t_min, t.to) & floats_less_equal(t.from, p->t));
+        lanes &= ~sure;
+        p->blocked |= sure;
+        p->limit = floats_pick(sure, floats_all(-INFINITY), p->limit);
+    }
     if (lanes != 0)
         packet_decide(p, &s, lanes, group->primitive[i], place + i, any);
 }

@@ -11,7 +11,7 @@
 #define CELL_RAYS 4u
 
 /* Around some of the origins: places beyond it go to the last cells. */
-#define SAMPLE_STEP 16
+#define SAMPLE_STEP 64
 
 static void origin_box(const Ray *ray, size_t count, float lo[3], float hi[3])
 {
