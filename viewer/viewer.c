@@ -16,6 +16,8 @@
 static const double IDLE_SECONDS = 0.25;
 /* Frames follow each other no faster; while the solver works, it is to have most of the machine. */
 static const double LEAST_SECONDS = 1.0 / 60, WORKING_SECONDS = 1.0 / 20;
+/* New light is looked for this often. */
+static const double NEWS_SECONDS = 0.01;
 /* Frame times are averaged over about ten. */
 static const double FRAME_WEIGHT = 0.1;
 
@@ -120,6 +122,9 @@ static double patience(const Viewer *viewer)
     const double since = window_time() - viewer->last_frame;
     const bool working = !atomic_load(&viewer->control->finished) || gathered_awaited(viewer);
     const double rate = viewer->options->rate;
+    /* Before first light there are but figures to be read. */
+    if (viewer->shown == NULL && !viewer->dirty)
+        return fmax(0, IDLE_SECONDS - since);
     if (viewer->script != NULL)
         return fmax(0, (working ? WORKING_SECONDS : 0) - since);
     if (rate > 0)
@@ -159,16 +164,28 @@ static void handle_events(Viewer *viewer)
         pace_event(viewer->pace, window_time());
         input_event(viewer, &event);
     }
+}
+
+/* Once a frame; whether it went anywhere: then the next frame is soon. */
+static bool fly(Viewer *viewer)
+{
+    viewer->dirty = false;
     input_fly(viewer, window_time() - viewer->last_frame);
+    return viewer->dirty;
 }
 
 static bool one_frame(Viewer *viewer, Error *err)
 {
     const ViewerOptions *options = viewer->options;
-    window_wait(viewer->window, patience(viewer));
+    window_wait(viewer->window, fmin(patience(viewer), NEWS_SECONDS));
     const Knobs *knobs = &viewer->control->knobs;
     viewer->settled = atomic_load(&knobs->settled) == atomic_load(&knobs->version);
-    if (!take_new(viewer, err) || !run_script(viewer, err))
+    if (!take_new(viewer, err))
+        return false;
+    handle_events(viewer);
+    if (!viewer->close && patience(viewer) > 0)
+        return true; /* a moment's rest for the solver: nothing is due yet */
+    if (!run_script(viewer, err))
         return false;
     handle_events(viewer);
     char line[256];
@@ -176,15 +193,16 @@ static bool one_frame(Viewer *viewer, Error *err)
     if (control_heard(viewer->control, &viewer->sayings, line, sizeof line))
         viewer_say(viewer, "%s", line);
     window_size(viewer->window, &viewer->view.width, &viewer->view.height);
-    if (viewer->view.width < 1 || viewer->view.height < 1)
-        return true; /* minimised: nothing to draw on */
-    const bool due = window_time() - viewer->last_frame >= LEAST_SECONDS;
-    if (!due && !viewer->close && viewer->script == NULL && options->rate <= 0)
+    if (viewer->view.width < 1 || viewer->view.height < 1) {
+        viewer->last_frame = window_time(); /* minimised: nothing to draw on */
         return true;
+    }
     if (!renew_if_lost(viewer, err))
         return false;
+    const bool   flew = fly(viewer);
     const double begin = window_time();
     draw_frame(viewer);
+    viewer->dirty = viewer->dirty || flew;
     if (viewer->screenshot[0] != '\0')
         files_save_frame(viewer, viewer->screenshot, viewer->by_key);
     viewer->by_key = false;
