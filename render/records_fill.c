@@ -135,8 +135,8 @@ static void find_ellipse(const WaveView *one, const WaveView *two, const Place *
                       record->radius;
 }
 
-/* Hemisphere rays of each record of the grid. The fewest rays for the same noise per pixel are those
- * that go with the root of the number of pixels that a record serves. */
+/* Hemisphere rays of each record of the grid. The fewest rays for the same noise per pixel are
+ * those that go with the root of the number of pixels that a record serves. */
 static uint32_t rays_of(const Fill *fill)
 {
     const uint32_t rays = fill->wish->rays * (uint32_t)fill->stride / STRIDE_MIDDLE;

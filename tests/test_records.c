@@ -105,8 +105,8 @@ static void ellipses_reach_as_far_as_they_say(void **state)
     (void)state;
     const double root = sqrt(0.5), radius = 0.1;
     const Vec3   along = vec3(root, root, 0), across = vec3(-root, root, 0);
-    Record r = { .at = { vec3(2, 3, 0), vec3(0, 0, 1) }, .along = along, .radius = radius,
-                 .stretch = 3, .irradiance = { 1, 2, 3 } };
+    Record r = { .at = { vec3(2, 3, 0), vec3(0, 0, 1), vec3(0, 0, 1) }, .along = along,
+                 .radius = radius, .stretch = 3, .irradiance = { 1, 2, 3 } };
     Error    err = { 0 };
     Records *records = records_create(&err);
     assert_true(records_add(records, &r, 1, &err));
@@ -116,7 +116,7 @@ static void ellipses_reach_as_far_as_they_say(void **state)
             const double turn = M_PI_2 * i + 0.3 * k; /* any way of the ellipse's plane */
             const Vec3 p = vec3_mad(vec3_mad(r.at.point, 3 * radius * share * cos(turn), along),
                                     radius * share * sin(turn), across);
-            const Receiver at = { p, vec3(0, 0, 1) };
+            const Receiver at = { p, vec3(0, 0, 1), vec3(0, 0, 1) };
             Recorded out;
             assert_true(records_find(records, &at, &out) == (share < 1));
             if (share < 1) {
