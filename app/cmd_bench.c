@@ -124,7 +124,7 @@ static void trace_chunk(void *context, uint32_t begin, uint32_t end, unsigned wo
             bench->pipeline->bvh, bench->ray + begin, bench->hit + begin, end - begin);
 }
 
-/* Rays per second of one kind, tracing alone: the rays are made before the clock starts. The fastest
+/* Rays per second of one kind, tracing alone: rays are made before the clock starts. The fastest
  * pass over all of them counts: what else the machine does only ever makes one slower. */
 static double ray_rate(Bench *bench, unsigned threads)
 {
