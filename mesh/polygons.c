@@ -222,7 +222,8 @@ static bool material_good(const Material *m)
 {
     return m->name != NULL && reflectance_good(m->reflectance) && quantity_good(m->emission) &&
            quantity_good(m->specular) && quantity_good(m->transmittance) &&
-           quantity_good(m->scattered) && !isnan(m->exponent) && m->exponent >= 0;
+           quantity_good(m->scattered) && !isnan(m->exponent) && m->exponent >= 0 &&
+           m->roughness >= 0 && m->roughness <= 1;
 }
 
 bool polygons_check(const Polygons *soup)

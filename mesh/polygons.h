@@ -24,6 +24,8 @@ typedef struct {
     Rgb    emission;       /* emitted radiance L, cd/m2; exitance is pi L */
     Rgb    specular;       /* mirror-like or glossy reflectance, 0..1 */
     double exponent;       /* Phong exponent of the specular part; INFINITY: mirror; 0: none */
+    double roughness;      /* 0..1: > 0: the specular part is of microfacets, alpha = roughness^2
+                              (render/gloss.h), where the exponent is finite */
     Rgb    transmittance;  /* of a clear pane or body per crossing, 0: opaque */
     Rgb    scattered;      /* diffuse transmittance, kept as read; no solver uses it yet */
     double ior;            /* index of refraction, 1: none */

@@ -82,6 +82,36 @@ static void add_seen(Pixel *pixel, uint32_t group, Rgb light)
         pixel->split[group] = rgb_add(pixel->split[group], light);
 }
 
+/* The ray on from a mirror, glass or gloss. */
+static bool way_on(Eye *eye, const EyeSample *sample, const EyeRay *ray, const RoomHit *hit,
+                   const Material *m, unsigned bounce, EyeRay *on)
+{
+    const Room  *room = eye->gatherer->room;
+    const float *smooth = eye->gatherer->smooth;
+    const Vec3   way = vec3_unit(vec3(ray->ray.dx, ray->ray.dy, ray->ray.dz));
+    const Vec3   normal = normals_at(smooth, room, hit, way);
+    float        u[4], v[4];
+    Rgb          weight;
+    sampling_sobol4(sample->index, sampling_seed(sample->seed, SEED_SPECULAR, bounce, 0), u);
+    on->blurred = ray->blurred || !specular_is_sharp(m);
+    if (!specular_is_sharp(m)) {
+        /* Gloss is light received, too. */
+        EyeGloss place = { .at = normals_receive(ray->blurred ? NULL : smooth, room, hit),
+                           .weight = rgb_mul(ray->weight, m->specular), .pixel = sample->pixel };
+        gloss_init(&place.gloss, m, place.at.face, normal, way);
+        sampling_sobol4(sample->index, sampling_seed(sample->seed, SEED_SPECULAR, bounce, 1), v);
+        return eye_gloss(eye, &place, u, v, on);
+    }
+    if (!specular_continue(room, hit, normal, way, u[2], &on->ray, &weight))
+        return false;
+    if (specular_is_straight(room, hit, m, &on->ray)) {
+        on->density = ray->density;
+        on->from = ray->from;
+    }
+    on->weight = rgb_mul(ray->weight, weight);
+    return rgb_max(on->weight) > 0;
+}
+
 /* Handles one end of an eye's ray: what it shows by itself, a receiving point, a ray further on.
  * Returns whether *on was filled. */
 static bool end_of_ray(Eye *eye, const EyeSample *samples, uint32_t i, unsigned bounce,
@@ -104,7 +134,10 @@ static bool end_of_ray(Eye *eye, const EyeSample *samples, uint32_t i, unsigned 
     Material        scratch;
     const Material *m = places_hit(room, &hit, &scratch);
     if (emits(room, &hit)) {
-        const Rgb light = rgb_mul(ray->weight, m->emission);
+        const double own = ray->density;
+        const double share = own > 0 ? own / (own + lamps_density(&eye->gatherer->lamps,
+                                                                  &ray->from, &hit)) : 1;
+        const Rgb light = rgb_scale(rgb_mul(ray->weight, m->emission), share);
         pixel->radiance = rgb_add(pixel->radiance, light);
         add_seen(pixel, split != NULL ? split_emission(split, hit.surface, hit.side) : 0, light);
     }
@@ -112,22 +145,8 @@ static bool end_of_ray(Eye *eye, const EyeSample *samples, uint32_t i, unsigned 
         receive_point(eye, sample, ray, &hit, m->reflectance, bounce, &eye->point[(*points)++]);
     if (eye->options->diffuse_only || bounce == BOUNCES || !specular_exists(m))
         return false;
-    float u[4];
-    Rgb   weight;
-    sampling_sobol4(sample->index, sampling_seed(sample->seed, SEED_SPECULAR, bounce, 0), u);
-    *on = (EyeRay){ .sample = ray->sample,
-                    .blurred = ray->blurred || !specular_is_sharp(m) };
-    const Vec3 way = vec3_unit(in);
-    const Vec3 normal = normals_at(eye->gatherer->smooth, room, &hit, way);
-    if (on->blurred && !ray->blurred) { /* gloss is light received, too */
-        const Receiver at = normals_receive(eye->gatherer->smooth, room, &hit);
-        hit.point = at.point;
-        hit.normal = at.face;
-    }
-    if (!specular_continue(room, &hit, normal, way, u, &on->ray, &weight))
-        return false;
-    on->weight = rgb_mul(ray->weight, weight);
-    return rgb_max(on->weight) > 0;
+    *on = (EyeRay){ .sample = ray->sample };
+    return way_on(eye, sample, ray, &hit, m, bounce, on);
 }
 
 /* Adds what a receiving point of some bounce found. */

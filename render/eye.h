@@ -8,6 +8,7 @@
 #define RENDER_EYE_H
 
 #include "render/gather.h"
+#include "render/gloss.h"
 #include "render/internal.h"
 #include "render/records.h"
 #include "render/wave.h"
@@ -33,7 +34,17 @@ typedef struct {
     Rgb      weight;
     uint32_t sample;
     bool     blurred; /* by gloss on its way: what it meets is not seen sharp */
+    double   density; /* > 0: gloss at `from` chose its direction so densely; lamps it meets are */
+    Receiver from;    /* aimed at from there, too */
 } EyeRay;
+
+/* A glossy place that the eye sees. */
+typedef struct {
+    Receiver at;
+    Gloss    gloss;
+    Rgb      weight;  /* of what it sends to the eye, specular colour included */
+    Pixel   *pixel;
+} EyeGloss;
 
 /* A point that receives light for a sample. */
 typedef struct {
@@ -71,6 +82,10 @@ Rgb *eye_sums(const Eye *eye, uint32_t slot);
 
 /* The ray through a point of the picture; false: nothing is shown there. */
 bool eye_ray(const CameraRays *camera, double x, double y, const float *lens, Ray *ray);
+
+/* Adds light of lamps and lights that the place sends straight on, by shadow rays that v in [0,1)^3
+ * chooses, combined by multiple importance sampling with the ray on that u chooses. false: none. */
+bool eye_gloss(Eye *eye, const EyeGloss *place, const float u[2], const float v[3], EyeRay *on);
 
 /* Traces samples, count <= WAVE_POINTS, and adds each to its pixel. */
 void eye_gather(Eye *eye, const EyeSample *sample, uint32_t count);

@@ -134,7 +134,7 @@ bool lamps_init(Lamps *lamps, const Room *room, Error *err)
     lamps->flat = lamps->flat && !lamps->many;
     if (lamps->many && !make_tree(lamps, err))
         return false;
-    return !lamps->shared || index_surfaces(lamps, err);
+    return index_surfaces(lamps, err);
 }
 
 void lamps_clear(Lamps *lamps)
@@ -333,6 +333,42 @@ double lamps_share(const Lamps *lamps, const Receiver *at, const LampPlan *plan,
     if (!(chance > 0) || !(spread > 0) || !(cosine > 0))
         return 1; /* lamp samples leave this out */
     return 1 - balance(plan, spread / chance, cosine);
+}
+
+/* --- any scattering -------------------------------------------------------------------------- */
+
+bool lamps_aim(const Lamps *lamps, const Receiver *at, double a, double b, LampSample *out,
+               Rgb *radiance, double *density)
+{
+    double   below[LAMPS_WEIGHED + 1], x = a, chance = 0;
+    uint32_t k;
+    assert(lamps->count > 0);
+    if (lamps->many) {
+        k = lamp_tree_choose(&lamps->tree, at->point, at->normal, &x, &chance);
+        if (k == LAMP_TREE_NONE)
+            return false;
+    } else {
+        const double total = weigh(lamps, at, below);
+        if (!(total > 0))
+            return false;
+        x *= total;
+        k = pick(below, lamps->count, &x);
+        chance = (below[k + 1] - below[k]) / total;
+    }
+    *out = (LampSample){ .lamp = k };
+    const double spread = lamp_point(lamps, &lamps->lamp[k], at, x, b, out);
+    *radiance = lamps->lamp[k].radiance;
+    *density = spread > 0 ? chance / spread : 0;
+    return *density > 0;
+}
+
+double lamps_density(const Lamps *lamps, const Receiver *at, const RoomHit *hit)
+{
+    const uint32_t k = lamp_of(lamps, hit);
+    if (k == UINT32_MAX)
+        return 0;
+    const double spread = spread_of(lamps, &lamps->lamp[k], at, hit);
+    return spread > 0 ? chance_of(lamps, at, k) / spread : 0;
 }
 
 /* --- point lights ---------------------------------------------------------------------------- */

@@ -45,7 +45,7 @@ typedef struct {
     LampTree    tree;
     bool        many;    /* more than LAMPS_WEIGHED: the tree is there */
     uint32_t   *first;   /* [2 * surfaces->count]  side * count + surface -> its first lamp, the
-                            others follow; or UINT32_MAX. NULL when `shared` is false */
+                            others follow; or UINT32_MAX */
     bool        shared;  /* hemisphere rays that hit lamps count */
     bool        flat;    /* all lamps are facets, weighed exactly */
 } Lamps;
@@ -88,6 +88,13 @@ bool lamps_sample(const Lamps *lamps, const Receiver *at, const LampPlan *plan, 
  * lamp samples do it all. */
 double lamps_share(const Lamps *lamps, const Receiver *at, const LampPlan *plan,
                    const RoomHit *hit);
+
+/* For light that is not scattered diffusely: a point of a lamp, its radiance, and the density of
+ * its choice per solid angle. false: none. */
+bool lamps_aim(const Lamps *lamps, const Receiver *at, double a, double b, LampSample *out,
+               Rgb *radiance, double *density);
+/* Density with which lamps_aim would have chosen the point of a lamp that a ray from `at` met. */
+double lamps_density(const Lamps *lamps, const Receiver *at, const RoomHit *hit);
 
 /* Irradiance from point light k at the receiver, if nothing is in the way. */
 Rgb lamps_light(const Light *light, const Receiver *at);

@@ -2,8 +2,8 @@
 /* render/normals.h -- smooth normals: the curved body that a mesh of triangles stands for.
  *
  * Reflections and refractions use them, and light that is received where the eye sees it, straight
- * or by way of mirrors and glass. All other light meets the triangles as they are, so that rooms are
- * solved and measured as they were modelled.
+ * or by way of mirrors and glass. All other light meets the triangles as they are, so that rooms
+ * are solved and measured as they were modelled.
  * Method   where triangles bulge, light is received at the curved body, just off the triangle
  *          [hanika21]: rays from there tell what arrives, and none passes a triangle. Elsewhere
  *          none comes from below the triangle, and its share fades out towards there [chiang19].

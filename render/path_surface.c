@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Scattering of the path tracer: diffuse, modified Phong [lafortune94], mirrors, glass. */
+/* Scattering of the path tracer: diffuse, gloss, mirrors, glass. */
 #include <assert.h>
 
 #include "math/fresnel.h"
 #include "math/sampling.h"
 #include "radiosity/mirrors.h"
 #include "radiosity/places.h"
+#include "render/gloss.h"
 #include "render/normals.h"
 #include "render/path_internal.h"
 #include "render/specular.h"
@@ -38,8 +39,9 @@ static bool bends(const Room *room, const RoomHit *hit, const Material *material
 static Vec3 mirrored(Vec3 in, Vec3 n) { return vec3_mad(in, -2 * vec3_dot(in, n), n); }
 
 /* The mirror direction of the smooth normal, unless that leads into the surface. */
-static Vec3 mirror_way(const PathSurface *surface, Vec3 face)
+static Vec3 mirror_way(const PathSurface *surface)
 {
+    const Vec3 face = surface->hit.normal;
     const Vec3 d = mirrored(surface->in, surface->normal);
     return vec3_unit(vec3_dot(d, face) > 0 ? d : mirrored(d, face));
 }
@@ -111,6 +113,13 @@ Rgb path_surface_diffuse(const PathSurface *surface, Vec3 out)
                      cosine * normals_share(out, surface->at.normal, surface->at.face));
 }
 
+static Gloss gloss_of(const PathSurface *surface)
+{
+    Gloss gloss;
+    gloss_init(&gloss, surface->material, surface->at.face, surface->normal, surface->in);
+    return gloss;
+}
+
 Rgb path_surface_value(const PathSurface *surface, Vec3 out, double *density)
 {
     const Material *m = surface->material;
@@ -121,23 +130,12 @@ Rgb path_surface_value(const PathSurface *surface, Vec3 out, double *density)
     Rgb value = path_surface_diffuse(surface, out);
     *density = surface->diffuse * fmax(vec3_dot(out, surface->at.normal), 0) / M_PI;
     if (surface->gloss > 0 && is_lobe(m)) {
-        const double e = specular_exponent(m);
-        const double lobe = pow(fmax(vec3_dot(out, mirror_way(surface, surface->at.face)), 0), e) / (2 * M_PI);
-        value = rgb_mad(value, (e + 2) * lobe * cosine, m->specular);
-        *density += surface->gloss * (e + 1) * lobe;
+        double      own;
+        const Gloss gloss = gloss_of(surface);
+        value = rgb_mad(value, gloss_value(&gloss, out, &own), m->specular);
+        *density += surface->gloss * own;
     }
     return value;
-}
-
-/* A direction of the cosine lobe of the exponent about the axis. */
-static Vec3 lobe_way(Vec3 axis, double exponent, const float u[2])
-{
-    const double z = pow(u[0], 1 / (exponent + 1)), r = sqrt(fmax(1 - z * z, 0));
-    const double angle = 2 * M_PI * u[1];
-    Vec3         s, t;
-    vec3_frame(axis, &s, &t);
-    return vec3_unit(vec3_mad(vec3_mad(vec3_scale(axis, z), r * cos(angle), s), r * sin(angle),
-                              t));
 }
 
 /* Glass: choice in [0,1) decides between its two ways. Radiance is not scaled by the square of the
@@ -152,7 +150,7 @@ static bool glass_next(const PathSurface *surface, double choice, PathNext *next
     const double    chance = back / (back + through);
     if (choice < chance) {
         const double w = back / (chance * surface->clear);
-        *next = (PathNext){ .out = mirror_way(surface, surface->hit.normal), .weight = rgb(w, w, w) };
+        *next = (PathNext){ .out = mirror_way(surface), .weight = rgb(w, w, w) };
         return true;
     }
     *next = (PathNext){ .out = surface->in, .across = true, .straight = true };
@@ -179,7 +177,7 @@ bool path_surface_next(const PathSurface *surface, const float u[3], PathNext *n
         return false;
     if (u[2] >= specular && surface->clear > 0)
         return glass_next(surface, fmin((u[2] - specular) / surface->clear, 1), next);
-    *next = (PathNext){ .out = mirror_way(surface, surface->hit.normal) };
+    *next = (PathNext){ .out = mirror_way(surface) };
     if (u[2] < surface->diffuse || !(surface->gloss > 0)) {
         const Vec3 w = sampling_cosine(u[0], u[1]);
         Vec3       s, t;
@@ -190,7 +188,9 @@ bool path_surface_next(const PathSurface *surface, const float u[3], PathNext *n
         next->weight = rgb_scale(m->specular, 1 / surface->gloss);
         return true;
     } else {
-        next->out = lobe_way(mirror_way(surface, surface->at.face), specular_exponent(m), u);
+        const Gloss gloss = gloss_of(surface);
+        if (!gloss_sample(&gloss, u, &next->out))
+            return false;
     }
     const Rgb value = path_surface_value(surface, next->out, &next->density);
     if (!(next->density > 0))

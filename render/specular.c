@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Mirrors, glass and gloss: one ray on from each hit. */
+/* Mirrors and glass: one ray on from each hit. */
 #include "render/specular.h"
 
 #include <assert.h>
@@ -104,39 +104,17 @@ bool specular_split(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in, 
     return rgb_max(*weight) > 0;
 }
 
-/* A lobe cos^e about the mirror direction, energy as in the modified Phong model [lafortune94]. */
-static bool gloss(const Room *room, const Material *material, const RoomHit *hit, Vec3 normal,
-                  Vec3 in, double exponent, const float *u, Ray *ray, Rgb *weight)
-{
-    Vec3         s, t;
-    const Vec3   axis = vec3_unit(reflected(in, normal, hit));
-    const double z = pow(u[0], 1 / (exponent + 1)), r = sqrt(fmax(1 - z * z, 0));
-    const double angle = 2 * M_PI * u[1];
-    vec3_frame(axis, &s, &t);
-    const Vec3   d = vec3_mad(vec3_mad(vec3_scale(axis, z), r * cos(angle), s), r * sin(angle), t);
-    const double cosine = vec3_dot(d, hit->normal);
-    if (!(cosine > 0))
-        return false;
-    *weight = rgb_scale(material->specular, (exponent + 2) / (exponent + 1) * cosine);
-    *ray = ray_leaving(hit->point, hit->normal, room->offset, d, INFINITY);
-    return true;
-}
-
 bool specular_continue(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in,
-                       const float u[3], Ray *ray, Rgb *weight)
+                       float u, Ray *ray, Rgb *weight)
 {
     Material        scratch;
     const Material *material = places_hit(room, hit, &scratch);
-    assert(specular_exists(material));
+    assert(specular_exists(material) && specular_is_sharp(material));
     if (rgb_max(material->transmittance) > 0)
-        return glass(room, material, hit, normal, in, u[2], ray, weight);
-    if (isinf(material->exponent)) {
-        *weight = material->specular;
-        *ray = ray_leaving(hit->point, hit->normal, room->offset, reflected(in, normal, hit),
-                           INFINITY);
-        return true;
-    }
-    return gloss(room, material, hit, normal, in, specular_exponent(material), u, ray, weight);
+        return glass(room, material, hit, normal, in, u, ray, weight);
+    *weight = material->specular;
+    *ray = back_from(room, hit, normal, in);
+    return true;
 }
 
 /* --- rays that gather ------------------------------------------------------------------------ */
@@ -154,7 +132,7 @@ static double end_chance(const Room *room, const RoomHit *hit, const Material *m
     return own / (own + on);
 }
 
-static bool is_straight(const Room *room, const RoomHit *hit, const Material *m, const Ray *on)
+bool specular_is_straight(const Room *room, const RoomHit *hit, const Material *m, const Ray *on)
 {
     const bool bends = m->ior > 0 && m->ior != 1 &&
                        mirrors_is_skin(room, hit->surface);
@@ -187,7 +165,7 @@ Rgb specular_follow(const Room *room, const float *smooth, uint32_t seed, Ray *r
             weight = rgb_scale(weight, 1 / end);
             break;
         }
-        const float u[3] = { luck(seed, step, 0), luck(seed, step, 1), luck(seed, step, 2) };
+        const float u = luck(seed, step, 2);
         const float length = hit->t * (float)vec3_length(way);
         Rgb         share;
         hit->primitive = RAY_MISS;
@@ -199,7 +177,7 @@ Rgb specular_follow(const Room *room, const float *smooth, uint32_t seed, Ray *r
         if (!(luck(seed, step + FOLLOW_MOST + 1, 0) < survival))
             break;
         weight = rgb_scale(weight, 1 / survival);
-        *turned = *turned || !is_straight(room, &at, m, ray);
+        *turned = *turned || !specular_is_straight(room, &at, m, ray);
         far += length;
         ++*rays;
         bvh_nearest(room->bvh, ray, hit);

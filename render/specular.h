@@ -11,12 +11,15 @@ bool specular_exists(const Material *material);
 /* Whether its more is an ideal mirror or glass, which show things sharp. */
 bool specular_is_sharp(const Material *material);
 
-/* One way on for a ray that came along `in` (unit) and met `hit`, chosen by three numbers in
- * [0,1): glass reflects or refracts, gloss scatters about the mirror direction. normal: unit, maybe
- * smoothed. *weight is what its light counts, bounded by 1.1 in each band. false: none.
+/* One way on for a ray that came along `in` (unit) and met `hit`, a mirror or glass, which reflects
+ * or refracts as u in [0,1) chooses. normal: unit, maybe smoothed. *weight is what its light
+ * counts, at most 1 in each band. false: none.
  * A transparent surface with a rim is a pane, not the skin of a body: it does not bend light. */
 bool specular_continue(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in,
-                       const float u[3], Ray *ray, Rgb *weight);
+                       float u, Ray *ray, Rgb *weight);
+
+/* Whether the way on leads unbent through a pane. */
+bool specular_is_straight(const Room *room, const RoomHit *hit, const Material *m, const Ray *on);
 
 /* The same without chance, of mirrors and glass alone: the way back, or across. */
 bool specular_split(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in, bool across,

@@ -45,7 +45,7 @@ static uint64_t add_material(const Material *m, uint64_t hash)
     hash = add_text(m->name, hash);
     hash = file_hash(colours, sizeof colours, hash);
     return add_numbers((double[]){ m->exponent, m->ior, m->importance, m->emits_both, m->texture,
-                                   m->cut_out }, 6, hash);
+                                   m->cut_out, m->roughness }, 7, hash);
 }
 
 static uint64_t add_light(const Light *l, uint64_t hash)

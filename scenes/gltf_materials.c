@@ -143,10 +143,11 @@ static Material material_read(const GltfContext *c, const Json *root, const Json
     m.reflectance = rgb_scale(s.base, 1 - s.metallic);
     m.specular = rgb_mad(s.specular, s.metallic, s.base);
     m.exponent = rgb_max(m.specular) > 0 ? exponent : 0;
+    m.roughness = rgb_max(m.specular) > 0 && isfinite(exponent) ? s.roughness : 0;
     if (exponent < diffuse_exponent) {
         m.reflectance = rgb_add(m.reflectance, m.specular);
         m.specular = rgb(0, 0, 0);
-        m.exponent = 0;
+        m.exponent = m.roughness = 0;
     }
     m.emission = rgb_scale(color_read(c, json, where, "emissiveFactor", rgb(0, 0, 0)), strength);
     transparency_apply(c, json, where, &s, &m);

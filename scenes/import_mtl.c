@@ -22,7 +22,7 @@ static const double mirror_exponent = 100;
 typedef struct {
     char   name[256];
     Rgb    kd, ks, ke, filter;
-    double ns, alpha, ni;
+    double ns, alpha, ni, pr; /* pr < 0: not given */
     bool   has_kd;
     MaterialImages images;  /* path is set at the end */
     int    illum;           /* -1: not given */
@@ -31,7 +31,7 @@ typedef struct {
 static MtlEntry entry_empty(void)
 {
     return (MtlEntry){ .kd = { 0.5, 0.5, 0.5 }, .filter = { 1, 1, 1 }, .alpha = 1, .ni = 1,
-                       .illum = -1 };
+                       .pr = -1, .illum = -1 };
 }
 
 /* --- the table -------------------------------------------------------------------------------- */
@@ -121,6 +121,20 @@ void library_clear(MaterialLibrary *library)
 
 /* --- meaning ---------------------------------------------------------------------------------- */
 
+/* Pr: a mirror, microfacets, or so rough that the solver takes it for diffuse better. Below the
+ * least width a float knows no more of the distribution than of a mirror. */
+static void rough_apply(double pr, Material *m)
+{
+    static const double least = 0.01, most = 0.9;
+    m->exponent = pr < least ? INFINITY : 1;
+    m->roughness = pr < least ? 0 : fmin(pr, 1);
+    if (pr > most) {
+        m->reflectance = rgb_add(m->reflectance, m->specular);
+        m->specular = rgb(0, 0, 0);
+        m->exponent = m->roughness = 0;
+    }
+}
+
 /* illum 3 to 9 ask for traced reflections; 4, 6, 7 and 9 for transparency; 0 and 1 have no
  * specular part, unless there is nothing else: many exporters write illum 1 whatever they mean, and
  * a metal must not turn into a hole. Without illum: 2. */
@@ -142,6 +156,8 @@ static Material entry_material(const MtlEntry *entry)
         m.exponent = illum >= 3 && illum <= 9 && entry->ns >= mirror_exponent ? INFINITY
                                                                              : fmax(entry->ns, 0);
     }
+    if (rgb_max(m.specular) > 0 && entry->pr >= 0)
+        rough_apply(entry->pr, &m);
     m.transmittance = rgb_scale(entry->filter, passes);
     m.ior = passes > 0 && entry->ni >= 1 ? entry->ni : 1;
     return m;
@@ -242,6 +258,8 @@ static bool line_read(const TextFile *text, Word key, const char *line, MtlEntry
         return color_read(text, key, line, &entry->filter, err);
     if (word_is(key, "Ns"))
         return value_read(text, key, line, &entry->ns, err);
+    if (word_is(key, "Pr"))
+        return value_read(text, key, line, &entry->pr, err);
     if (word_is(key, "Ni"))
         return value_read(text, key, line, &entry->ni, err);
     if (word_is(key, "d") || word_is(key, "Tr"))

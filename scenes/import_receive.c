@@ -58,9 +58,11 @@ static bool material_take(Receiver *r, Error *err)
     m.exponent = pipe_get_double(&r->in);
     m.transmittance = pipe_get_rgb(&r->in);
     m.ior = pipe_get_double(&r->in);
+    m.roughness = pipe_get_double(&r->in);
     if (r->in.state != PIPE_GOOD)
         return false;
-    if (!(m.ior >= 1) || !isfinite(m.ior) || isnan(m.exponent))
+    if (!(m.ior >= 1) || !isfinite(m.ior) || isnan(m.exponent) ||
+        !(m.roughness >= 0 && m.roughness <= 1))
         return pipe_nonsense(&r->in);
     if (!array_reserve((void **)&r->material, &r->material_capacity, r->material_count + 1,
                        sizeof *r->material, "materials", err) ||

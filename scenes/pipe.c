@@ -100,6 +100,7 @@ void pipe_put_material(PipeWriter *out, const Material *material)
     pipe_put_double(out, material->exponent);
     pipe_put_rgb(out, material->transmittance);
     pipe_put_double(out, material->ior);
+    pipe_put_double(out, material->roughness);
 }
 
 void pipe_put_light(PipeWriter *out, const Light *light)

@@ -156,6 +156,7 @@ void scene_limit_material(Material *material, const char *file, const SceneReadO
     colour_limit(&material->scattered, 1);
     if (!(material->exponent >= 0))
         material->exponent = 0;
+    material->roughness = material->roughness >= 0 ? fmin(material->roughness, 1) : 0;
 }
 
 /* --- checks ---------------------------------------------------------------------------------- */

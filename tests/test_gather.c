@@ -552,6 +552,45 @@ static void mirror_and_pane(void **state)
     place_clear(&p);
 }
 
+/* A lobe of exponent e and colour s, seen where it mirrors a light of intensity I at distance d at
+ * cosine c: s (e + 2) / 2 pi c I / d^2. Seen straight from above in a room of lamps of radiance L:
+ * s L, for (e + 2) / 2 pi times cos^(e + 1) over the hemisphere is 1. */
+static void gloss_of_lights_and_lamps(void **state)
+{
+    (void)state;
+    Place    p = { 0 }, q = { 0 };
+    Material gloss = material_default();
+    uint32_t m;
+    gloss.reflectance = rgb(0, 0, 0);
+    gloss.specular = rgb(0.5, 0.25, 0.5);
+    gloss.exponent = 20;
+    assert_true(polygons_add_material(&p.soup, &gloss, &m, &p.err));
+    p.light[0] = (Light){ .kind = LIGHT_POINT, .position = { -2, 0, 2 }, .intensity = { 8, 8, 8 } };
+    p.light_count = 1;
+    add_quad(&p, vec3(-5, -5, 0), vec3(10, 0, 0), vec3(0, 10, 0), m);
+    place_finish(&p, 3, 30);
+    const Camera  slant = { .eye = { 2, 0, 2 }, .up = { 0, 0, 1 }, .vertical_fov = 0.01 };
+    const Camera  down = { .eye = { 0.5, 0.5, 0.9 }, .target = { 0.5, 0.5, 0 }, .up = { 0, 1, 0 },
+                           .vertical_fov = 0.01 };
+    RenderOptions o = { .width = 1, .height = 1, .samples = 4096 };
+    Image        *image = picture(&p, &slant, o);
+    const double  seen = 0.5 * 22 / (2 * PI) * sqrt(0.5);
+    assert_true(fabs(image->radiance[0] - seen) < 1e-4 * seen);
+    assert_true(fabs(image->radiance[1] - seen / 2) < 1e-4 * seen);
+    image_destroy(image);
+    place_clear(&p);
+
+    assert_true(polygons_add_material(&q.soup, &gloss, &m, &q.err));
+    add_room(&q, grey(&q, 0, 2));
+    add_quad(&q, vec3(0.1, 0.1, 0.1), vec3(0.8, 0, 0), vec3(0, 0.8, 0), m);
+    place_finish(&q, 3, 60);
+    image = picture(&q, &down, o);
+    /* Balanced by both ways to a lamp no sample counts more than about twice the mean. */
+    assert_true(fabs(image->radiance[0] - 1) < 4 * 1 / sqrt(4096));
+    image_destroy(image);
+    place_clear(&q);
+}
+
 /* --- failures -------------------------------------------------------------------------------- */
 
 static bool stop_at_once(void *user)
@@ -599,7 +638,7 @@ int main(void)
         cmocka_unit_test(furnace_looks_empty),      cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(furnace_from_records),
         cmocka_unit_test(refined_pictures),
-        cmocka_unit_test(pixels_agree_with_points), cmocka_unit_test(mirror_and_pane),
+        cmocka_unit_test(pixels_agree_with_points), cmocka_unit_test(mirror_and_pane), cmocka_unit_test(gloss_of_lights_and_lamps),
         cmocka_unit_test(stop_and_lack_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -145,15 +145,18 @@ static const char library[] =
     "newmtl water\nKd 0.01 0.01 0.01\nKs 0.3 0.3 0.3\nTf 0.1 0.2 0.3\nNs 200\nNi 1.33\nillum 7\n"
     "newmtl pane\nKd 0.8 0.4 0.2\nd 0.25\nNi 1.5\n"
     "newmtl with spaces\nKd .3\nPr 0.2\naniso 0.7\nmap_Kd wood.png\n"
-    "newmtl bare\nKs 0.9 0.9 0.9\nillum 3\nNs 500\n";
+    "newmtl bare\nKs 0.9 0.9 0.9\nillum 3\nNs 500\n"
+    "newmtl rough\nKd 0.2 0.2 0.2\nKs 0.4 0.4 0.4\nPr 0.5\n"
+    "newmtl sharp\nKd 0.2 0.2 0.2\nKs 0.4 0.4 0.4\nPr 0\n"
+    "newmtl chalk\nKd 0.2 0.2 0.2\nKs 0.4 0.4 0.4\nPr 1\n";
 
 static void materials_scene(Bench *bench, char *text, size_t size)
 {
     static const char *const names[] = { "lamp", "mirror", "glossy", "dull", "water", "pane",
-                                         "with spaces", "bare" };
+                                         "with spaces", "bare", "rough", "sharp", "chalk" };
     size_t used = (size_t)snprintf(text, size, "mtllib a b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n");
 
-    for (size_t i = 0; i < 8; i++)
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
         used += (size_t)snprintf(text + used, size - used, "usemtl %s\nf 1 2 3\n", names[i]);
     bench_text(bench, "a b.mtl", library);
     bench_text(bench, "materials.obj", text);
@@ -162,11 +165,11 @@ static void materials_scene(Bench *bench, char *text, size_t size)
 static void materials_mean_light(void **state)
 {
     Bench *bench = *state;
-    char text[1000];
+    char text[2000];
 
     materials_scene(bench, text, sizeof text);
     Scene *scene = bench_scene(bench, "materials.obj");
-    assert_int_equal(scene->polygons.material_count, 8);
+    assert_int_equal(scene->polygons.material_count, 11);
     assert_rgb(bench_material(scene, 0)->emission, 17, 12, 4, 0, "Ke is radiance");
     assert_rgb(bench_material(scene, 0)->reflectance, 0.78, 0.5, 0.25, 0, "Kd");
     assert_rgb(bench_material(scene, 0)->transmittance, 0, 0, 0, 0, "opaque");
@@ -181,6 +184,12 @@ static void materials_mean_light(void **state)
     assert_string_equal(bench_material(scene, 6)->name, "with spaces");
     assert_rgb(bench_material(scene, 6)->reflectance, 0.3, 0.3, 0.3, 0, "one number for three");
     assert_rgb(bench_material(scene, 7)->reflectance, 0, 0, 0, 0, "a mirror without Kd");
+    assert_close(bench_material(scene, 7)->roughness, 0, 0, "no Pr");
+    assert_close(bench_material(scene, 8)->roughness, 0.5, 0, "Pr");
+    assert_true(isfinite(bench_material(scene, 8)->exponent));
+    assert_true(isinf(bench_material(scene, 9)->exponent));
+    assert_rgb(bench_material(scene, 10)->reflectance, 0.6, 0.6, 0.6, 1e-15, "as good as diffuse");
+    assert_rgb(bench_material(scene, 10)->specular, 0, 0, 0, 0, "and that alone");
     assert_int_equal(bench->named[1], 1);
     assert_int_equal(bench->warnings, 1);
     scene_destroy(scene);
@@ -190,7 +199,7 @@ static void hash_covers_the_library(void **state)
 {
     Bench *bench = *state;
     uint64_t hash[3];
-    char text[1000];
+    char text[2000];
 
     for (int i = 0; i < 3; i++) {
         materials_scene(bench, text, sizeof text);
