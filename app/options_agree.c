@@ -164,9 +164,6 @@ static bool renderer_reads(const Options *options, Error *err)
         return true;
     if (options_given(options, OPTION_DEPTH) && options->renderer != RENDERER_WHITTED)
         return error_set(err, ERROR_USAGE, "--depth belongs to --renderer whitted");
-    if (options->light_groups && options->record_rays > 0)
-        return error_set(err, ERROR_USAGE, "--record-rays: records know nothing of --light-groups, "
-                         "where every camera ray gathers");
     if (options->renderer == RENDERER_GATHER)
         return true;
     if (options->renderer == RENDERER_WHITTED && (options_given(options, OPTION_ACCURACY) ||

@@ -34,8 +34,11 @@ bool picture_maker_begin(PictureMaker *maker, Pipeline *pipeline, Error *err)
     maker->gatherer = gatherer_create(&pipeline->room, pipeline->solution, pipeline->links, err);
     if (maker->gatherer == NULL || !light_layers_split(pipeline, maker->gatherer, err))
         return false;
-    if (pipeline->session->settings.record_rays > 0)
+    const uint32_t groups = light_layers_count(pipeline);
+    if (pipeline->session->settings.record_rays > 0 && groups <= RECORDS_GROUPS_MOST)
         maker->records = records_create(err);
+    if (maker->records != NULL)
+        records_split(maker->records, groups);
     return !error_is_set(err);
 }
 

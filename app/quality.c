@@ -51,7 +51,7 @@ static bool has_records(const Options *options)
 {
     const uint32_t rays = options_given(options, OPTION_RECORD_RAYS)
                               ? options->record_rays : pictures[options->quality].record_rays;
-    return gathers(options) && rays > 0 && !(options->gather_rays > 0) && !options->light_groups;
+    return gathers(options) && rays > 0 && !(options->gather_rays > 0);
 }
 
 /* Whether that is all that patches are for: the window shows them. */

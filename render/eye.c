@@ -63,7 +63,7 @@ static void read_records(Eye *eye, const EyeSample *sample, uint32_t points, uns
     for (uint32_t k = 0, end; k < points; k = end) {
         EyePoint *first = &eye->point[k];
         Receiver  at = first->point.at;
-        for (end = k + 1; end < points && bounce == 0 &&
+        for (end = k + 1; end < points && bounce == 0 && eye->split == NULL &&
                           same_place(sample, first, &eye->point[end]); end++)
             at.point = vec3_add(at.point, eye->point[end].point.at.point);
         at.point = vec3_scale(at.point, 1.0 / (end - k));
@@ -191,14 +191,16 @@ static void gather_points(Eye *eye, const EyeSample *sample, uint32_t points, un
                                .guides = &eye->guides, .split = eye->split };
     wave_gather(&eye->wave, points, gathered, &wave);
     const uint32_t groups = eye->split != NULL ? eye->gatherer->split->count : 0;
-    assert(eye->split == NULL || o->records == NULL);
     for (uint32_t k = 0; k < points; k++) {
         const EyePoint *p = &eye->point[order[k]];
-        if (eye->split != NULL)
-            add_groups(p, eye->split + (size_t)k * (groups + 1), groups, sample[p->sample].pixel);
-        add_point(p, eye->wave.direct[k],
-                  p->known ? p->recorded.irradiance : eye->wave.indirect[k], bounce,
-                  sample[p->sample].pixel);
+        Rgb indirect = p->known ? p->recorded.irradiance : eye->wave.indirect[k];
+        if (eye->split != NULL) {
+            Rgb *light = eye->split + (size_t)k * (groups + 1);
+            if (p->known) /* their sum, so that layers add up */
+                indirect = records_find_apart(o->records, &p->point.at, light);
+            add_groups(p, light, groups, sample[p->sample].pixel);
+        }
+        add_point(p, eye->wave.direct[k], indirect, bounce, sample[p->sample].pixel);
     }
 }
 

@@ -35,9 +35,8 @@ typedef struct {
     const uint32_t *of_group;  /* [groups of the scene]  in which its emission is; else >= count */
     const char *const *name;   /* [count + 1]  of layers; the last: of light that is in none */
 } GatherGroups;
-/* For pictures to come. Then the light that is gathered is the sum of the groups'; records know
- * nothing of groups and cannot be used with them. What groups points to must outlive the Gatherer
- * but for radiosity and dimmer.
+/* For pictures to come. Then the light that is gathered is the sum of the groups', and records must
+ * tell count + 1 groups apart (records_split). groups->name must outlive the Gatherer.
  * fails  false; ERROR_MEMORY. */
 bool gatherer_split(Gatherer *gatherer, const GatherGroups *groups, const Links *links,
                     Error *err);

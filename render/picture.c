@@ -460,7 +460,6 @@ static void render_init(Render *render, const Gatherer *gatherer, const Camera *
     if (render->image == NULL)
         return;
     const Split *split = gatherer->split;
-    assert(split == NULL || o->records == NULL);
     if (split != NULL) {
         const bool rest = split->rest || rgb_max(o->background) > 0;
         if (!image_add_groups(render->image, split->name, split->count + rest, err)) {

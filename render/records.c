@@ -17,10 +17,19 @@ static const double NORMAL_REACH = 0.35;
 
 enum { LEVELS = 64 };
 
+/* Of one group: as gathered, and fitted as in Record. */
+typedef struct {
+    Rgb    light;
+    double fit[3][3];
+} Apart;
+
 struct Records {
     Record  *record;
     size_t   capacity;
     uint32_t count;
+    uint32_t groups;     /* 0: none are told apart */
+    Apart   *apart;      /* [count * groups] */
+    size_t   apart_capacity;
     /* Cells of level k are 2^(k - LEVELS/2) wide, at least twice the radius of the records there:
      * each lies in at most 8 of them. Cells of all levels share the buckets: a stranger in one is
      * told by its distance. */
@@ -40,12 +49,21 @@ Records *records_destroy(Records *records)
     if (records == NULL)
         return NULL;
     array_free(records->record);
+    array_free(records->apart);
     array_free(records->first);
     array_free(records->entry);
     return array_free(records);
 }
 
 uint32_t records_count(const Records *records) { return records->count; }
+
+void records_split(Records *records, uint32_t groups)
+{
+    assert(records->count == 0 && groups <= RECORDS_GROUPS_MOST);
+    records->groups = groups;
+}
+
+uint32_t records_groups(const Records *records) { return records->groups; }
 
 /* --- the grid -------------------------------------------------------------------------------- */
 
@@ -142,10 +160,41 @@ static void make_level(Record *record)
     record->fitted_deviation = record->deviation;
 }
 
+static void make_level_apart(Apart *apart)
+{
+    memset(apart->fit, 0, sizeof apart->fit);
+    apart->fit[0][0] = apart->light.r;
+    apart->fit[1][0] = apart->light.g;
+    apart->fit[2][0] = apart->light.b;
+}
+
+/* The groups of `count` records that come next. */
+static bool add_apart(Records *r, const Rgb *light, uint32_t count, Error *err)
+{
+    void        *array = r->apart;
+    const size_t before = (size_t)r->count * r->groups, more = (size_t)count * r->groups;
+    if (!array_reserve(&array, &r->apart_capacity, before + more, sizeof *r->apart, "records",
+                       err))
+        return false;
+    r->apart = array;
+    for (size_t i = 0; i < more; i++) {
+        r->apart[before + i].light = light[i];
+        make_level_apart(&r->apart[before + i]);
+    }
+    return true;
+}
+
 bool records_add(Records *r, const Record *record, uint32_t count, Error *err)
+{
+    return records_add_apart(r, record, NULL, count, err);
+}
+
+bool records_add_apart(Records *r, const Record *record, const Rgb *light, uint32_t count,
+                       Error *err)
 {
     void  *array = r->record;
     assert(count == 0 || record != NULL);
+    assert(count == 0 || (light != NULL) == (r->groups > 0));
     if (count == 0)
         return true;
     if (count > UINT32_MAX / 16 - r->count)
@@ -154,6 +203,8 @@ bool records_add(Records *r, const Record *record, uint32_t count, Error *err)
                        err))
         return false;
     r->record = array;
+    if (light != NULL && !add_apart(r, light, count, err))
+        return false;
     memcpy(r->record + r->count, record, count * sizeof *record);
     for (uint32_t i = r->count; i < r->count + count; i++)
         make_level(&r->record[i]);
@@ -235,6 +286,46 @@ static void read_record(void *context, uint32_t index, double nearness)
     reading->nearness = fmax(reading->nearness, nearness);
 }
 
+/* The same of all groups, into sums. */
+typedef struct {
+    const Records  *records;
+    const Receiver *at;
+    double weight;
+    Rgb    sum[RECORDS_GROUPS_MOST];
+} ReadingApart;
+
+static void read_apart(void *context, uint32_t index, double nearness)
+{
+    ReadingApart  *reading = context;
+    const Records *records = reading->records;
+    const Record  *record = &records->record[index];
+    const double   weight = nearness * nearness / record->radius; /* as above */
+    const Apart   *apart = records->apart + (size_t)index * records->groups;
+    double         basis[3];
+    find_basis(record, reading->at->point, basis);
+    for (uint32_t g = 0; g < records->groups; g++) {
+        double e[3] = { 0 };
+        for (int band = 0; band < 3; band++)
+            for (int k = 0; k < 3; k++)
+                e[band] += apart[g].fit[band][k] * basis[k];
+        reading->sum[g] = rgb_mad(reading->sum[g], weight, rgb(e[0], e[1], e[2]));
+    }
+    reading->weight += weight;
+}
+
+Rgb records_find_apart(const Records *records, const Receiver *at, Rgb *sum)
+{
+    ReadingApart reading = { .records = records, .at = at };
+    Rgb          all = { 0, 0, 0 };
+    visit(records, at, read_apart, &reading);
+    for (uint32_t g = 0; reading.weight > 0 && g < records->groups; g++) {
+        const Rgb light = rgb_scale(reading.sum[g], 1 / reading.weight);
+        sum[g] = rgb_add(sum[g], light);
+        all = rgb_add(all, light);
+    }
+    return all;
+}
+
 bool records_find(const Records *records, const Receiver *at, Recorded *out)
 {
     Reading reading = { .records = records, .at = at };
@@ -262,6 +353,7 @@ typedef struct {
     double matrix[3][3], right[3][3];
     double solved[3]; /* first row of the inverse */
     double variance;
+    Apart *apart;     /* [groups]  of the record */
 } Fit;
 
 /* What a neighbour stands for: where records lie close, each speaks for little of the surface. */
@@ -285,6 +377,24 @@ static void fit_record(void *context, uint32_t index, double nearness)
         fit->right[i][0] += nearness * basis[i] * other->irradiance.r;
         fit->right[i][1] += nearness * basis[i] * other->irradiance.g;
         fit->right[i][2] += nearness * basis[i] * other->irradiance.b;
+    }
+}
+
+/* The right sides of all groups, where their planes will stand. */
+static void fit_apart(void *context, uint32_t index, double nearness)
+{
+    const Fit     *fit = context;
+    const Records *records = fit->records;
+    const Apart   *other = records->apart + (size_t)index * records->groups;
+    Apart         *own = fit->apart;
+    double         basis[3];
+    nearness *= share_of(&records->record[index], fit->record);
+    find_basis(fit->record, records->record[index].at.point, basis);
+    for (uint32_t g = 0; g < records->groups; g++) {
+        const double light[3] = { other[g].light.r, other[g].light.g, other[g].light.b };
+        for (int band = 0; band < 3; band++)
+            for (int i = 0; i < 3; i++)
+                own[g].fit[band][i] += nearness * basis[i] * light[band];
     }
 }
 
@@ -345,6 +455,14 @@ static void fit_one(const Records *records, Record *record)
         substitute(fit.matrix, x);
         memcpy(record->fit[band], x, sizeof x);
     }
+    fit.apart = records->apart + (size_t)(record - records->record) * records->groups;
+    for (uint32_t g = 0; g < records->groups; g++)
+        memset(fit.apart[g].fit, 0, sizeof fit.apart[g].fit);
+    if (records->groups > 0)
+        visit(records, &record->at, fit_apart, &fit);
+    for (uint32_t g = 0; g < records->groups; g++)
+        for (int band = 0; band < 3; band++)
+            substitute(fit.matrix, fit.apart[g].fit[band]);
     fit.solved[0] = 1;
     substitute(fit.matrix, fit.solved);
     visit(records, &record->at, fit_noise, &fit);

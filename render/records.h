@@ -35,9 +35,17 @@ Records *records_create(Error *err);
 /* Frees; NULL is allowed. Always returns NULL. */
 Records *records_destroy(Records *records);
 
+/* Records of light by groups as well (render/split.h), from the first one on. */
+enum { RECORDS_GROUPS_MOST = 33 };
+void records_split(Records *records, uint32_t groups);
+uint32_t records_groups(const Records *records);
+
 /* Adds records, level so far, and makes them known to records_find.
  * fails  false; ERROR_MEMORY. */
 bool records_add(Records *records, const Record *record, uint32_t count, Error *err);
+/* The same with the irradiance of each by groups [count * groups]; NULL: without groups. */
+bool records_add_apart(Records *records, const Record *record, const Rgb *light, uint32_t count,
+                       Error *err);
 /* Fits record begin..end-1 to all records' values. Threads: several may, for ranges apart. */
 void records_fit(Records *records, uint32_t begin, uint32_t end);
 uint32_t records_count(const Records *records);
@@ -50,5 +58,8 @@ typedef struct {
 } Recorded;
 /* false: no record reaches the point. */
 bool records_find(const Records *records, const Receiver *at, Recorded *out);
+/* Adds what they say by groups to sum [groups], and returns what that comes to; a group's light may
+ * be below 0 by a little, where planes are carried on. */
+Rgb records_find_apart(const Records *records, const Receiver *at, Rgb *sum);
 
 #endif

@@ -10,6 +10,7 @@
 #include "math/sampling.h"
 #include "radiosity/places.h"
 #include "render/normals.h"
+#include "render/split.h"
 #include "render/wave.h"
 
 /* Pixels between the records of the coarsest and the finest grid. */
@@ -49,6 +50,9 @@ typedef struct {
     Wave     *wave;      /* [threads] */
     Place    *place;     /* [across * down], then the first `wanted` of them */
     Record   *record;    /* [wanted] */
+    Rgb      *light;     /* [wanted * groups]  of those; */
+    Rgb      *split;     /* [threads * WAVE_POINTS * groups]  NULL: no groups */
+    uint32_t  groups;
     uint64_t *rays;      /* [blocks] */
     uint32_t  across, down, wanted;
     int       stride;
@@ -157,6 +161,25 @@ static void train_block(const Fill *fill, Wave *wave, Guides *guides, uint32_t b
                  sampling_seed(begin, (uint32_t)fill->stride, fill->wish->seed, SEED_GUIDE));
 }
 
+/* A thread's space for light by groups; NULL: there are none. */
+static Rgb *split_of(const Fill *fill, const Wave *wave)
+{
+    const size_t thread = (size_t)(wave - fill->wave);
+    return fill->split == NULL ? NULL : fill->split + thread * WAVE_POINTS * fill->groups;
+}
+
+/* Means of the twins' light by groups. */
+static void store_apart(const Fill *fill, const Wave *wave, uint32_t begin, uint32_t end)
+{
+    const size_t groups = fill->groups;
+    const Rgb   *split = split_of(fill, wave);
+    for (uint32_t i = begin; split != NULL && i < end; i++)
+        for (size_t g = 0; g < groups; g++) {
+            const Rgb *one = split + 2 * (i - begin) * groups + g;
+            fill->light[i * groups + g] = rgb_scale(rgb_add(one[0], one[groups]), 0.5);
+        }
+}
+
 static void gather_block(const Fill *fill, Wave *wave, uint32_t begin, uint32_t end)
 {
     Guides guides;
@@ -164,7 +187,7 @@ static void gather_block(const Fill *fill, Wave *wave, uint32_t begin, uint32_t 
     const uint32_t     rays = rays_of(fill);
     const WaveOptions  options = { .gather_rays = rays / 2, .lamp_rays = 1,
                                    .clear = wish->clear, .indirect_only = true,
-                                   .guides = &guides };
+                                   .guides = &guides, .split = split_of(fill, wave) };
     train_block(fill, wave, &guides, begin, end);
     for (uint32_t i = begin; i < end; i++)
         for (uint32_t twin = 0; twin < 2; twin++)
@@ -185,6 +208,7 @@ static void gather_block(const Fill *fill, Wave *wave, uint32_t begin, uint32_t 
         };
         find_ellipse(&wave->view[k], &wave->view[k + 1], &fill->place[i], &fill->record[i]);
     }
+    store_apart(fill, wave, begin, end);
 }
 
 static void gather_blocks(void *context, uint32_t begin, uint32_t end, unsigned thread)
@@ -239,6 +263,9 @@ static bool fill_round(Fill *fill, Records *records, uint64_t *rays, Error *err)
     keep_wanted(fill);
     const uint32_t blocks = (fill->wanted + RECORDS_BLOCK - 1) / RECORDS_BLOCK;
     fill->record = array_create((size_t)fill->wanted + 1, sizeof(Record), "records", err);
+    if (fill->groups > 0)
+        fill->light = array_create(((size_t)fill->wanted + 1) * fill->groups, sizeof(Rgb),
+                                   "records", err);
     fill->rays = array_create((size_t)blocks + 1, sizeof *fill->rays, "records", err);
     if (error_is_set(err))
         return false;
@@ -246,7 +273,7 @@ static bool fill_round(Fill *fill, Records *records, uint64_t *rays, Error *err)
         return stopped(err);
     for (uint32_t b = 0; b < blocks; b++)
         *rays += fill->rays[b];
-    return records_add(records, fill->record, fill->wanted, err);
+    return records_add_apart(records, fill->record, fill->light, fill->wanted, err);
 }
 
 static void fit_range(void *context, uint32_t begin, uint32_t end, unsigned thread)
@@ -270,16 +297,25 @@ bool records_fill(Records *records, const Gatherer *gatherer, const CameraRays *
     fill.wave = array_create(w.threads, sizeof *fill.wave, "records", err);
     for (unsigned i = 0; fill.wave != NULL && i < w.threads; i++)
         fill.wave[i].gatherer = gatherer;
+    fill.groups = records_groups(records);
+    assert(fill.groups == (gatherer->split != NULL ? gatherer->split->count + 1 : 0));
+    if (fill.groups > 0)
+        fill.split = array_create((size_t)w.threads * WAVE_POINTS * fill.groups, sizeof(Rgb),
+                                  "records", err);
+    if (error_is_set(err))
+        fill.wave = array_free(fill.wave);
     for (fill.stride = STRIDE_FIRST; fill.wave != NULL && fill.stride >= STRIDE_LAST;
          fill.stride /= 2) {
         const bool done = fill_round(&fill, records, rays, err);
         fill.place = array_free(fill.place);
         fill.record = array_free(fill.record);
+        fill.light = array_free(fill.light);
         fill.rays = array_free(fill.rays);
         if (!done)
             break;
     }
     array_free(fill.wave);
+    array_free(fill.split);
     if (!error_is_set(err) &&
         !parallel_for(records_count(records), 256, w.threads, fit_range, records, monitor, NULL))
         stopped(err);

@@ -13,7 +13,7 @@
 
 #include "radiosity/relight.h"
 #include "render/gather.h"
-#include "render/kept_tiles.h"
+#include "render/records.h"
 #include "room_maker.h"
 
 enum { A, B, LIGHT, GROUPS };
@@ -233,6 +233,16 @@ static void layers_add_up(void **state)
         image = hall_picture(&h, dimmer, &sparing);
         check_sum(image, 2);
         image_destroy(image);
+        Error err = { 0 };
+        o = sparing;
+        o.records = records_create(&err); /* they tell the groups apart, too */
+        o.record_rays = 64;
+        records_split(o.records, LIGHT + 1);
+        image = hall_picture(&h, dimmer, &o);
+        check_sum(image, 2);
+        assert_true(records_count(o.records) > 10);
+        image_destroy(image);
+        records_destroy(o.records);
         hall_clear(&h);
     }
 }
@@ -255,8 +265,17 @@ static void a_layer_is_a_lamp_alone(void **state)
     const RenderOptions ro = { .width = 32, .height = 24, .samples = 1024, .threads = 1,
                                .error = 0.006 };
     Hall h;
+    Error none = { 0 };
     hall_make(&h, false);
     Image *both = hall_picture(&h, NULL, &ro);
+    RenderOptions recorded = ro;
+    recorded.records = records_create(&none);
+    recorded.record_rays = 1024;
+    recorded.error = 0.01;
+    recorded.width = 96; /* records lie pixels apart: more of them, for the same view */
+    recorded.height = 72;
+    records_split(recorded.records, LIGHT + 1);
+    Image *read = hall_picture(&h, NULL, &recorded);
     for (int k = 0; k < LIGHT; k++) {
         Error err = { 0 };
         double *emission, *reflectance;
@@ -276,6 +295,9 @@ static void a_layer_is_a_lamp_alone(void **state)
         /* Noise of a layer is at most about that of all light. */
         assert_true(fabs(layer - mean) < 4 * hypot(error_of(both), error_of(image)));
         assert_true(4 * hypot(error_of(both), error_of(image)) < 0.02 * mean);
+        /* Records are smooth where light is not: they are allowed 1 % for it. */
+        assert_true(fabs(mean_of(read, image_group(read, (uint32_t)k)) - mean) <
+                    4 * hypot(error_of(read), error_of(image)) + 0.01 * mean);
         m->emission = light;
         h.room.emitting[other] = 1;
         image_destroy(image);
@@ -285,6 +307,8 @@ static void a_layer_is_a_lamp_alone(void **state)
         array_free(reflectance);
     }
     image_destroy(both);
+    image_destroy(read);
+    records_destroy(recorded.records);
     hall_clear(&h);
 }
 
