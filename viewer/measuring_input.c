@@ -38,6 +38,8 @@ static void save(Viewer *viewer)
 static void next_layer(Viewer *viewer)
 {
     Measuring *m = &viewer->measuring;
+    if (viewer->shown == NULL)
+        return;
     const bool picked = viewer->view.picked < viewer->shown->mesh->patch_count;
     do {
         m->layer = (ShownLayer)((m->layer + 1) % SHOWN_COUNT);
