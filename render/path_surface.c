@@ -80,7 +80,8 @@ void path_surface_init(PathSurface *surface, const PathScene *scene, const Room 
     double          eta;
     assert(m->ior >= 0 && rgb_max(m->reflectance) < 1);
     *surface = (PathSurface){ .room = room, .material = m, .hit = *hit, .normal = hit->normal,
-                              .at = { hit->point, hit->normal, hit->normal }, .in = in, .diffuse = rgb_max(m->reflectance) };
+                              .at = { hit->point, hit->normal, hit->normal }, .in = in,
+                              .diffuse = rgb_max(m->reflectance) };
     if (m == &scratch) {
         surface->made = scratch;
         surface->material = m = &surface->made;

@@ -638,7 +638,8 @@ int main(void)
         cmocka_unit_test(furnace_looks_empty),      cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(furnace_from_records),
         cmocka_unit_test(refined_pictures),
-        cmocka_unit_test(pixels_agree_with_points), cmocka_unit_test(mirror_and_pane), cmocka_unit_test(gloss_of_lights_and_lamps),
+        cmocka_unit_test(pixels_agree_with_points), cmocka_unit_test(mirror_and_pane),
+        cmocka_unit_test(gloss_of_lights_and_lamps),
         cmocka_unit_test(stop_and_lack_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
