@@ -17,7 +17,7 @@
 #include "render/rough.h"
 #include "render/specular.h"
 
-enum { TILE = 16, BATCH = TILE * TILE, DEPTH_DEFAULT = 5 };
+enum { TILE = 16, BATCH = TILE * TILE, DEPTH_DEFAULT = 5, SEED_LENS = 8 };
 
 /* A branch that counts less is not followed: a 64th of a step of an 8-bit picture. */
 static const double WEIGHT_LEAST = 1.0 / 16384;
@@ -206,25 +206,38 @@ static void trace(const Picture *picture, Worker *w, const Branch *branch, uint3
 
 /* --- the picture ----------------------------------------------------------------------------- */
 
+/* Where in the pixel and on the lens a sample's ray passes. */
+static void choose_place(const Picture *picture, int x, int y, uint32_t sample, double at[2],
+                         float lens[2])
+{
+    const uint32_t seed = sampling_seed((uint32_t)(x + picture->image->left),
+                                        (uint32_t)(y + picture->image->top),
+                                        picture->options.seed, 3);
+    float u[2];
+    at[0] = at[1] = 0.5;
+    if (picture->samples > 1) {
+        sampling_sobol2(sample, seed, u);
+        filter_table_offset(&picture->filter, u, at);
+    }
+    if (camera_rays_blur(&picture->camera))
+        sampling_sobol2(sample, sampling_mix(seed + SEED_LENS), lens);
+}
+
 static uint32_t add_rays(const Picture *picture, Worker *w, int x0, int y0, uint32_t sample)
 {
     const Image *image = picture->image;
+    const bool   blur = camera_rays_blur(&picture->camera);
     uint32_t     count = 0;
     for (uint32_t k = 0; k < BATCH; k++) {
         const int x = x0 + (int)k % TILE, y = y0 + (int)k / TILE;
-        float     u[2] = { 0.5F, 0.5F };
-        double    at[2] = { 0.5, 0.5 };
+        float     lens[2];
+        double    at[2];
         Vec3      o, d;
         if (x >= image->width || y >= image->height || x % picture->step != 0 ||
             y % picture->step != 0)
             continue;
-        if (picture->samples > 1) {
-            sampling_sobol2(sample, sampling_seed((uint32_t)(x + image->left),
-                                                  (uint32_t)(y + image->top),
-                                                  picture->options.seed, 3), u);
-            filter_table_offset(&picture->filter, u, at);
-        }
-        if (!camera_rays_at(&picture->camera, x + at[0], y + at[1], NULL, &o, &d))
+        choose_place(picture, x, y, sample, at, lens);
+        if (!camera_rays_at(&picture->camera, x + at[0], y + at[1], blur ? lens : NULL, &o, &d))
             continue;
         w->branch[count++] = (Branch){
             .ray = { .ox = (float)o.x, .oy = (float)o.y, .oz = (float)o.z, .dx = (float)d.x,
