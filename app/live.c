@@ -222,21 +222,38 @@ static void stay(Live *live)
         live->err = (Error){ 0 };
 }
 
+/* A file that cannot be read again, for it is being written or was spoilt, is told; what was seen
+ * stays until it is read once more. */
+static void bear(Live *live)
+{
+    char line[sizeof live->err.text];
+    snprintf(line, sizeof line, "%s", live->err.text);
+    live->err = (Error){ 0 };
+    live_begin(live, "not read", STEP_READING);
+    control_say(live->control, line);
+    atomic_store(&live->control->finished, true);
+    while (!live_must_end(live))
+        rest();
+}
+
 static void *run(void *user)
 {
     Live *live = user;
     Control *control = live->control;
     bool on = true;
-    while (on) {
+    for (bool again = false; on; again = true) {
         atomic_store(&control->restart, false);
         clear_all(live);
         run_all(live, &live->err);
         if (live->err.code == ERROR_STOPPED && atomic_load(&control->restart))
             live->err = (Error){ 0 };
+        const bool borne = again && live->err.code == ERROR_INPUT;
+        if (borne)
+            bear(live);
         on = !error_is_set(&live->err);
         if (on && !atomic_load(&control->restart))
             atomic_store(&control->finished, true);
-        if (on && !live_must_end(live))
+        if (on && !borne && !live_must_end(live))
             stay(live);
         on = !error_is_set(&live->err);
         atomic_store(&control->finished, false);

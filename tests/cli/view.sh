@@ -127,6 +127,43 @@ wait frames 2
 END
 ok "sizes, scales, minimised" exits 0 view "$cube" --script "$DIR/sizes.txt" "${small[@]}"
 
+# --- read again -----------------------------------------------------------------------------------
+
+mkdir "$DIR/again"
+make_cube "$DIR/again"
+"$ISOLUX" solve "$DIR/again/cube.obj" "${fast[@]}" --progress none -o "$DIR/again/cube.ply"
+# gone FILE: it is taken away while the window is open; later it is back.
+gone() {
+    local window file=$1
+    shift
+    rm -f "$DIR/now.png" "$DIR/later.png"
+    cat >"$DIR/again.txt" <<END
+wait solved
+screenshot $DIR/now.png
+wait frames 200
+key F5
+wait said cannot
+screenshot $DIR/later.png
+wait frames 200
+key F5
+wait frames 20
+wait solved
+END
+    "$ISOLUX" view "$file" --script "$DIR/again.txt" "$@" >"$DIR/out" 2>"$DIR/err" &
+    window=$!
+    for name in now later; do
+        for ((i = 0; i < 600; i++)); do
+            [ -s "$DIR/$name.png" ] && break
+            kill -0 "$window" 2>/dev/null || break
+            sleep 0.05
+        done
+        if [ "$name" = now ]; then mv "$file" "$DIR/away"; else mv "$DIR/away" "$file"; fi
+    done
+    wait "$window"
+}
+ok "a scene that cannot be read again is told" gone "$DIR/again/cube.obj" "${small[@]}"
+ok "and a solution" gone "$DIR/again/cube.ply" --size 240x180 --progress none
+
 printf 'wait lit\ndance\n' >"$DIR/wrong.txt"
 ok "a wrong line" fails 3 "wrong.txt:2: what is 'dance'" view "$cube" --script "$DIR/wrong.txt" \
     "${small[@]}"
