@@ -147,6 +147,7 @@ static void on_step(void *user, const SolveStep *step)
 static bool run_solver(Live *live, Error *err)
 {
     Pipeline *p = live->pipeline;
+    const double begin = progress_now();
     assert(p->links != NULL || p->session->settings.stochastic);
     const Options *options = &p->session->options;
     const Settings *settings = &p->session->settings;
@@ -164,6 +165,8 @@ static bool run_solver(Live *live, Error *err)
     p->solution = solve(p->links, &p->problem, &so, &p->session->monitor, err);
     if (p->solution == NULL)
         return false;
+    pipeline_energy(p);
+    pipeline_note(p, STAGE_SOLVE, begin);
     return !live_must_end(live) || error_set(err, ERROR_STOPPED, "stopped");
 }
 

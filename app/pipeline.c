@@ -379,7 +379,7 @@ bool pipeline_problem(Pipeline *pipeline, Error *err)
     return true;
 }
 
-static void set_energy(Pipeline *pipeline)
+void pipeline_energy(Pipeline *pipeline)
 {
     const Rgb flux = pipeline->direct.flux, away = pipeline->direct.escaped;
     const double sent[ROOM_BANDS] = { flux.r, flux.g, flux.b };
@@ -458,7 +458,7 @@ bool pipeline_solve(Pipeline *pipeline, Error *err)
     if (pipeline->changes.count > 0 && !pipeline_relight(pipeline, solved, err))
         return false;
     saving_state(pipeline->saving, SAVING_SOLUTION);
-    set_energy(pipeline);
+    pipeline_energy(pipeline);
     pipeline_note(pipeline, STAGE_SOLVE, begin);
     return pipeline_fits(pipeline, 0, session->options.scene, err);
 }

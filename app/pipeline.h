@@ -120,6 +120,8 @@ bool pipeline_factors(Pipeline *pipeline, Error *err); /* pipeline_factors.c */
 bool pipeline_solve(Pipeline *pipeline, Error *err);
 /* The first part of it: direct light, and the problem to solve. */
 bool pipeline_light(Pipeline *pipeline, Error *err);
+/* And its last: the balance of energy, from solution and links. */
+void pipeline_energy(Pipeline *pipeline);
 /* The problem alone: emission and reflectance of the patches as the scene has them now. */
 bool pipeline_problem(Pipeline *pipeline, Error *err);
 
