@@ -10,6 +10,10 @@
 #include "base/array.h"
 #include "render/seen.h"
 
+/* Most rays of links for each ray that gathers last: those are visibility rays, which cost less,
+ * and fewer leave links more uncertain than gathering makes up for. */
+enum { LINK_SHARE = 2 };
+
 /* What links may take of --max-memory, less what is in use. */
 static uint64_t memory_left(const Session *session)
 {
@@ -45,7 +49,7 @@ bool pipeline_clusters_solve(Pipeline *pipeline, Error *err)
     double *seen = what_is_seen(pipeline, err);
     const bool given = options_given(&session->options, OPTION_TOLERANCE);
     const ClustersOptions options = { .tolerance = given ? settings->tolerance : 0,
-                                      .rays = settings->rays, .seen = seen,
+                                      .rays = LINK_SHARE * settings->rays, .seen = seen,
                                       .gather = session->options.no_last_gather ? 0
                                                                                 : settings->rays,
                                       .sights = settings->lamp_rays, .seed = settings->seed,

@@ -49,7 +49,8 @@ bool pipeline_stochastic_places(Pipeline *pipeline, Error *err)
     const double begin = progress_now();
     assert(session->settings.stochastic && pipeline->links == NULL);
     for (size_t k = 0; k < sizeof needs_links / sizeof *needs_links; k++)
-        if (options_given(&session->options, needs_links[k]))
+        if (options_given(&session->options, needs_links[k]) &&
+            !(session->settings.clusters && needs_links[k] == OPTION_LAMP_RAYS))
             return error_set(err, ERROR_USAGE, "%s: not with --solver %s",
                              options_table()[needs_links[k]].name,
                              session->settings.clusters ? "hierarchical" : "stochastic");

@@ -157,7 +157,7 @@ static bool run_round(Run *run, const Monitor *monitor, Error *err)
     if (error <= run->links_tolerance || links->spent || links->full || links->stopped ||
         (double)links->rays > spent)
         return false;
-    if (refined <= FEW * (double)links->count)
+    if ((double)refined <= FEW * (double)links->count)
         oracle->threshold *= fmin(FALL_LEAST, fmax(FALL_MOST, run->links_tolerance / error));
     return run->report->rounds < ROUNDS_MOST && luminance(run->light.sent) > 0;
 }

@@ -7,10 +7,10 @@
 
 #include "base/array.h"
 #include "base/parallel.h"
-#include "math/sampling.h"
 #include "radiosity/clusters_internal.h"
 
-/* Two rows for each patch, with points of their own: their difference tells the noise. */
+/* Two rows for each patch, by the halves of one net: their difference tells the noise, and more
+ * than that, for together they are spread better. */
 enum { HALVES = 2, GATHER_PATCHES = 256 };
 
 /* Share of the mean weight, by number or area, that a patch gathers at least: more than importance
@@ -54,8 +54,9 @@ static void gather_chunk(void *context, uint32_t begin, uint32_t end, unsigned w
         const uint32_t count = end - first < tile->most ? end - first : tile->most;
         const uint32_t *patch = &last->patch[first];
         for (unsigned half = 0; half < HALVES; half++) {
-            row_tile_cast(tile, room, &last->lamps, patch, count,
-                          sampling_seed(links->seed, SEED_POINTS, half, 0));
+            for (uint32_t k = 0; k < count; k++)
+                tile->row[k].begin = half * tile->all.rays;
+            row_tile_cast(tile, room, &last->lamps, patch, count, links->seed);
             for (uint32_t k = 0; k < count; k++) {
                 const RowCast *row = row_tile_row(tile, room, &last->lamps, k);
                 gather_row(last, row, &last->came[half][(size_t)patch[k] * ROOM_BANDS]);

@@ -142,7 +142,8 @@ typedef struct {
 /* What a row is cast with, and the row itself. */
 typedef struct {
     uint32_t      rays, lamp_rays, positions, patch;
-    uint32_t      begin;       /* point of the net that the first ray takes: 0 or `rays` */
+    uint32_t      begin;       /* point of the net that the first ray takes: 0 or `rays`; rays to
+                                  lamps begin at 0 or `lamp_rays` then */
     CastPosition *position;    /* [positions] */
     uint32_t     *valid;       /* [valid_count]  positions that are not void */
     uint32_t      valid_count;

@@ -169,11 +169,12 @@ void row_cast_aim(RowCast *row, const Room *room, const LampTable *lamps, uint32
     const bool whole = row->valid_count == row->positions;
     const double kept = mirrors_kept(room, patch);
     const uint32_t own_seed = sampling_seed(seed, room_patch_key(room, patch), SEED_LAMPS, 0);
+    const uint32_t first = row->begin > 0 ? row->lamp_rays : 0;
     double weights = 0;
     for (uint32_t m = 0; m < row->lamp_rays; m++) {
         float x[4];
         PatchPoint from;
-        sampling_sobol4(m, own_seed, x);
+        sampling_sobol4(first + m, own_seed, x);
         if (whole) {
             patches_point(room->patches, room->surfaces, patch, x[0], x[1], &from);
             visible_move(room, &from);
