@@ -15,6 +15,23 @@ static float linear_of(uint8_t byte)
     return (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
 }
 
+/* A level of either kind. */
+static void level_put(Texture *t, int level, size_t at, const float c[4])
+{
+    for (size_t k = 0; k < 4; k++)
+        if (t->bytes == NULL)
+            t->level[level][4 * at + k] = c[k];
+        else
+            t->short_level[level][4 * at + k] = (uint16_t)(fminf(fmaxf(c[k], 0), 1) * 65535 + 0.5F);
+}
+
+static void level_get(const Texture *t, int level, size_t at, float out[4])
+{
+    for (size_t k = 0; k < 4; k++)
+        out[k] = t->bytes == NULL ? t->level[level][4 * at + k]
+                                  : (float)t->short_level[level][4 * at + k] / 65535;
+}
+
 /* --- texels ----------------------------------------------------------------------------------- */
 
 /* Texel number i of n, however far i is off. */
@@ -37,7 +54,7 @@ static void texel(const Texture *t, int x, int y, float out[4])
         return;
     }
     for (int k = 0; k < 3; k++)
-        out[k] = linear_of(t->bytes[at + (size_t)k]);
+        out[k] = t->linear_of[t->bytes[at + (size_t)k]];
     out[3] = t->bytes[at + 3] / 255.0F;
 }
 
@@ -56,9 +73,8 @@ static void shares(int i, int n, int first[1], double share[3], int *count)
         share[(*count)++] = (fmin(to, k + 1) - fmax(from, k)) / width;
 }
 
-/* One texel of the next level: from the image when before is NULL. */
-static void shrink_texel(const Texture *t, const float *before, int w, int h, int x, int y,
-                         float out[4])
+/* One texel of the next level: from the image when before is -1. */
+static void shrink_texel(const Texture *t, int before, int w, int h, int x, int y, float out[4])
 {
     double sum[4] = { 0 }, sx[3], sy[3];
     int    fx, fy, nx, ny;
@@ -67,33 +83,42 @@ static void shrink_texel(const Texture *t, const float *before, int w, int h, in
     for (int j = 0; j < ny; j++)
         for (int i = 0; i < nx; i++) {
             float c[4];
-            if (before != NULL)
-                memcpy(c, before + 4 * ((size_t)(fy + j) * (size_t)w + (size_t)(fx + i)),
-                       sizeof c);
+            if (before >= 0)
+                level_get(t, before, (size_t)(fy + j) * (size_t)w + (size_t)(fx + i), c);
             else
                 texel(t, fx + i, fy + j, c);
             for (int k = 0; k < 3; k++)
-                sum[k] += sx[i] * sy[j] * (double)(before != NULL ? c[k] : c[k] * c[3]);
+                sum[k] += sx[i] * sy[j] * (double)(before >= 0 ? c[k] : c[k] * c[3]);
             sum[3] += sx[i] * sy[j] * (double)c[3];
         }
     for (int k = 0; k < 4; k++)
         out[k] = (float)sum[k];
 }
 
+static bool level_create(Texture *t, int level, size_t texels, Error *err)
+{
+    if (t->bytes == NULL)
+        t->level[level] = array_create(4 * texels, sizeof(float), "texture", err);
+    else
+        t->short_level[level] = array_create(4 * texels, sizeof(uint16_t), "texture", err);
+    return !error_is_set(err);
+}
+
 static bool make_levels(Texture *t, Error *err)
 {
     int w = t->width, h = t->height;
-    const float *before = NULL;
     while ((w > 1 || h > 1) && t->levels < TEXTURE_LEVELS) {
         const int sw = half(w), sh = half(h);
-        float *level = array_create(4 * (size_t)sw * (size_t)sh, sizeof *level, "texture", err);
-        if (level == NULL)
+        const int next = t->levels;
+        if (!level_create(t, next, (size_t)sw * (size_t)sh, err))
             return false;
         for (int y = 0; y < sh; y++)
-            for (int x = 0; x < sw; x++)
-                shrink_texel(t, before, w, h, x, y,
-                             level + 4 * ((size_t)y * (size_t)sw + (size_t)x));
-        before = t->level[t->levels++] = level;
+            for (int x = 0; x < sw; x++) {
+                float c[4];
+                shrink_texel(t, next - 1, w, h, x, y, c);
+                level_put(t, next, (size_t)y * (size_t)sw + (size_t)x, c);
+            }
+        t->levels++;
         w = sw;
         h = sh;
     }
@@ -115,6 +140,8 @@ bool texture_make(Texture *texture, const char *name, int width, int height, uin
     assert(width > 0 && height > 0 && (bytes != NULL) != (linear != NULL));
     *texture = (Texture){ .width = width, .height = height, .bytes = bytes, .linear = linear,
                           .name = array_string(name, err) };
+    for (int i = 0; i < 256; i++)
+        texture->linear_of[i] = linear_of((uint8_t)i);
     texture->clear = find_clear(texture);
     if (texture->name != NULL && make_levels(texture, err))
         return true;
@@ -124,8 +151,10 @@ bool texture_make(Texture *texture, const char *name, int width, int height, uin
 
 void texture_clear(Texture *texture)
 {
-    for (int i = 0; i < texture->levels; i++)
+    for (int i = 0; i < TEXTURE_LEVELS; i++) {
         array_free(texture->level[i]);
+        array_free(texture->short_level[i]);
+    }
     array_free(texture->bytes);
     array_free(texture->linear);
     array_free(texture->name);
@@ -156,7 +185,7 @@ static void look_up(const Texture *t, int level, double u, double v, double out[
                 for (int k = 0; k < 3; k++)
                     c[k] *= c[3];
             } else
-                memcpy(c, t->level[level] + 4 * ((size_t)ty * (size_t)w + (size_t)tx), sizeof c);
+                level_get(t, level, (size_t)ty * (size_t)w + (size_t)tx, c);
             for (int k = 0; k < 4; k++)
                 out[k] += share * (double)c[k];
         }

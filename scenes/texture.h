@@ -28,9 +28,12 @@ typedef struct {
     TextureWrap wrap;
     bool        clear;       /* some of it is not opaque */
     uint8_t    *bytes;       /* [4 * width * height]  sRGB and alpha, row 0 on top; NULL: floats */
+    float       linear_of[256]; /* of a byte */
     float      *linear;      /* [4 * width * height]  when bytes is NULL */
     int         levels;      /* smaller copies */
-    float      *level[TEXTURE_LEVELS]; /* [4 * w * h]  linear, colours times their alpha */
+    /* [4 * w * h]  linear, colours times their alpha: of floats; or of bytes, 65535 being 1 */
+    float      *level[TEXTURE_LEVELS];
+    uint16_t   *short_level[TEXTURE_LEVELS];
 } Texture;
 
 /* u = du . p + u0, v likewise; v = 0 is the image's lower edge. texture is in the material. */
