@@ -115,7 +115,7 @@ bool cmd_view(Pipeline *pipeline, int *exit_code, Error *err)
     pace_init(&pace, progress_now() - session->printer.start);
     picture_files_command(&session->options, command, sizeof command);
     control_init(&control);
-    atomic_store(&control.solver, (int)session->settings.solver);
+    atomic_store(&control.solver, session->options.solver);
     atomic_store(&control.tolerance,
                  session->settings.tolerance > 0 ? session->settings.tolerance : TOLERANCE);
     if (solved_mesh_is(session->options.scene))

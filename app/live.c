@@ -153,7 +153,7 @@ static bool run_solver(Live *live, Error *err)
     const Settings *settings = &p->session->settings;
     if (settings->stochastic)
         return pipeline_solve(p, err);
-    const SolveOptions so = { .solver = (Solver)atomic_load(&live->control->solver),
+    const SolveOptions so = { .solver = settings->solver,
                               .tolerance = atomic_load(&live->control->tolerance),
                               .max_iterations = settings->max_iterations,
                               .threads = settings->threads, .centre = p->patches->centre,
@@ -198,9 +198,21 @@ static bool run_all(Live *live, Error *err)
     return live_publish(live, &light, err);
 }
 
+/* The solver that was chosen in the window; SOLVER_COUNT is the one by rays alone. */
+static void choose_solver(Live *live)
+{
+    Settings *settings = &live->pipeline->session->settings;
+    const int solver = atomic_load(&live->control->solver);
+    settings->clusters = solver == SOLVER_HIERARCHICAL;
+    settings->stochastic = settings->clusters || solver == SOLVER_COUNT;
+    settings->solver = solver == SOLVER_COUNT ? SOLVER_GAUSS_SEIDEL : (Solver)solver;
+    settings->adapt = live->adapt && !settings->stochastic;
+}
+
 /* Everything anew, the scene's file too. */
 static void clear_all(Live *live)
 {
+    choose_solver(live);
     live->mesh = shown_mesh_leave(live->mesh);
     live->patches = NULL;
     live->light.radiosity = NULL;
@@ -225,8 +237,8 @@ static void stay(Live *live)
         live->err = (Error){ 0 };
 }
 
-/* A file that cannot be read again, for it is being written or was spoilt, is told; what was seen
- * stays until it is read once more. */
+/* A file that cannot be read again, for it is being written or was spoilt, is told, and a solver
+ * that some option forbids; what was seen stays until it is tried once more. */
 static void bear(Live *live)
 {
     char line[sizeof live->err.text];
@@ -250,7 +262,8 @@ static void *run(void *user)
         run_all(live, &live->err);
         if (live->err.code == ERROR_STOPPED && atomic_load(&control->restart))
             live->err = (Error){ 0 };
-        const bool borne = again && live->err.code == ERROR_INPUT;
+        const bool borne = again && (live->err.code == ERROR_INPUT ||
+                                     live->err.code == ERROR_USAGE);
         if (borne)
             bear(live);
         on = !error_is_set(&live->err);
@@ -271,7 +284,7 @@ bool live_start(Live *live, Pipeline *pipeline, Mailbox *mailbox, Control *contr
 {
     Session *session = pipeline->session;
     *live = (Live){ .pipeline = pipeline, .mailbox = mailbox, .control = control,
-                    .outer = session->monitor };
+                    .outer = session->monitor, .adapt = session->settings.adapt };
     session->monitor = (Monitor){ .user = live, .warn = live_warn, .progress = live_progress,
                                   .stop = live_stop };
     session->abrupt = true;

@@ -41,6 +41,7 @@ typedef struct {
     Report     report;
     uint64_t   rays_before;    /* of stages that are over */
     ShownStep  step;
+    bool       adapt;          /* patches are divided, where the solver has links */
     atomic_bool stepping;      /* a single step is under way */
     LiveLight  light;          /* published last; radiosity NULL: it is not there any more */
     int        exit_code;

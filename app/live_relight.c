@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "app/live_changes.h"
+#include "app/pipeline_clusters.h"
 #include "app/pipeline_stochastic.h"
 #include "base/array.h"
 #include "radiosity/relight.h"
@@ -230,7 +231,10 @@ static Solution *solve_again(Pipeline *p, const double *received, double toleran
     if (!p->session->settings.stochastic)
         return relight(p->links, &p->problem, before, received, &so, &p->session->monitor, err);
     p->solution = NULL;
-    pipeline_stochastic_solve(p, err);
+    if (p->session->settings.clusters)
+        pipeline_clusters_solve(p, err);
+    else
+        pipeline_stochastic_solve(p, err);
     Solution *after = p->solution;
     p->solution = before;
     return after;

@@ -30,7 +30,7 @@ typedef struct {
 typedef struct {
     atomic_bool quit, restart, reload, paused;
     atomic_uint steps;      /* to do while it is paused */
-    atomic_int  solver;     /* Solver */
+    atomic_int  solver;     /* Solver, or SOLVER_COUNT: by rays alone */
     _Atomic double tolerance;
     atomic_bool failed;     /* the solver's thread has ended with an error: close */
     atomic_bool finished;   /* nothing is left to do */

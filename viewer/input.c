@@ -146,6 +146,8 @@ static void act_on_solver(Viewer *viewer, Action action)
         viewer_say(viewer, action == ACTION_RELOAD ? "reading again" : "from the beginning");
         gathered_drop(viewer);
         knobs_reset(&control->knobs);
+        viewer->restarted = viewer->shown != NULL;
+        atomic_store(&control->finished, false);
         atomic_store(&control->paused, false);
         atomic_store(&control->restart, true);
         break;

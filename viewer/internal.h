@@ -50,6 +50,7 @@ typedef struct Viewer {
     unsigned    picture_seen;   /* changes of the easel that the card holds */
     unsigned    picture_knobs;  /* version of the knobs when it was asked for */
     Report      report;
+    bool        restarted;     /* what is shown is from before the solver began anew */
     bool        settled;       /* what is shown is solved for the knobs as they stand */
     unsigned    sayings;       /* of the solver's that were heard */
     char        notice[256];

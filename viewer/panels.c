@@ -38,15 +38,16 @@ static const char *count_text(double n, char *text, size_t size)
 
 static void solver_choices(Viewer *viewer)
 {
-    const char *names[SOLVER_COUNT];
+    const char *names[SOLVER_COUNT + 1];
     Control *control = viewer->control;
     int solver = atomic_load(&control->solver);
     double tolerance = log10(atomic_load(&control->tolerance));
     for (int k = 0; k < SOLVER_COUNT; k++)
         names[k] = solver_name((Solver)k);
-    if (gui_choice("solver", &solver, names, SOLVER_COUNT)) {
+    names[SOLVER_COUNT] = "stochastic";
+    if (gui_choice("solver", &solver, names, SOLVER_COUNT + 1)) {
         atomic_store(&control->solver, solver);
-        viewer_say(viewer, "the solver is taken when light is solved for next; Ctrl-R begins");
+        viewer_say(viewer, "the solver is another from the next beginning on: Ctrl-R");
     }
     if (gui_slider("tolerance", &tolerance, -8, -1, "1e%.0f", false))
         atomic_store(&control->tolerance, pow(10, round(tolerance)));

@@ -78,6 +78,7 @@ static bool take_new(Viewer *viewer, Error *err)
         return true;
     Snapshot *before = viewer->shown;
     viewer->shown = snapshot;
+    viewer->restarted = viewer->restarted && before != NULL && before->mesh == snapshot->mesh;
     pick_again(viewer, before != NULL ? before->mesh : NULL);
     snapshot_destroy(before);
     if (snapshot->layer[viewer->view.layer] == NULL)
@@ -140,7 +141,7 @@ static bool run_script(Viewer *viewer, Error *err)
     double tiles = 0;
     const EaselState picture = easel_state(&viewer->control->easel, NULL, &tiles);
     const ScriptState state = {
-        .step = viewer->shown != NULL ? viewer->shown->step : STEP_READING,
+        .step = viewer->shown != NULL && !viewer->restarted ? viewer->shown->step : STEP_READING,
         .finished = atomic_load(&viewer->control->finished),
         .picture = picture,
         .tiles = tiles,
