@@ -143,11 +143,36 @@ double mirrors_weight(const Room *room, uint32_t patch, double kept, double cosi
     return kept > 0 ? kept_at(room, patch, m, cosine) / kept : 0;
 }
 
+/* What microfacets of width 0, 1/8 .. 1 send back of even light that they do not absorb: integrals
+ * of render/gloss.h's model, each by 2 10^5 random samples; tests/test_gloss.c has them by a
+ * rule. */
+static const double facets_back[] = { 1, 0.960, 0.882, 0.793, 0.701, 0.613, 0.536, 0.468, 0.409 };
+
+double mirrors_gloss_back(const Material *m)
+{
+    enum { STEPS = sizeof facets_back / sizeof facets_back[0] - 1 };
+    if (!(m->roughness > 0))
+        return 2.0 / 3; /* a sharp lobe: the mean cosine of even light */
+    const double x = m->roughness * m->roughness * STEPS;
+    const int    k = (int)fmin(x, STEPS - 1);
+    return facets_back[k] + (x - k) * (facets_back[k + 1] - facets_back[k]);
+}
+
+Rgb mirrors_scattered(const Material *m, Rgb diffuse)
+{
+    const double most = TOLERANCE_REFLECTANCE_MAX;
+    if (!(rgb_max(m->specular) > 0) || rgb_max(m->transmittance) > 0 || isinf(m->exponent))
+        return diffuse;
+    const Rgb all = rgb_mad(diffuse, mirrors_gloss_back(m), m->specular);
+    return rgb(fmin(all.r, most), fmin(all.g, most), fmin(all.b, most));
+}
+
 void mirrors_problem(const Room *room, uint32_t patch, Rgb *emission, Rgb *reflectance)
 {
     const double most = TOLERANCE_REFLECTANCE_MAX;
     *emission = room_emission(room, patch);
-    *reflectance = places_reflectance(room, patch, NULL);
+    *reflectance = mirrors_scattered(&room->materials[room->patches->material[patch]],
+                                     places_reflectance(room, patch, NULL));
     const double kept = mirrors_kept(room, patch);
     /* Of what is cut out it is that of what is there. */
     if (kept == 1 || room->materials[room->patches->material[patch]].cut_out)

@@ -26,6 +26,12 @@ static inline bool mirrors_is(const Material *m)
            (rgb_max(m->specular) > 0 && isinf(m->exponent));
 }
 
+/* The share of even light, of what is not absorbed, that gloss of a finite exponent sends back:
+ * for the modified Phong lobe as for a sharp one, 2/3 (0.735 at exponent 1). */
+double mirrors_gloss_back(const Material *m);
+/* What a material scatters of even light: gloss counts as diffuse where the eye does not see it. */
+Rgb mirrors_scattered(const Material *m, Rgb diffuse);
+
 /* Which surfaces are the skin of a clear body, and so bend light: those that hang together with
  * clear ones alone, over every edge. A pane has a rim, or opaque neighbours: it does not bend it.
  * owns   [surfaces->count], the caller's, for room->skin; freed with array_free.

@@ -8,6 +8,7 @@
 
 #include "math/sampling.h"
 #include "math/tolerance.h"
+#include "radiosity/mirrors.h"
 #include "radiosity/places.h"
 #include "radiosity/visible.h"
 #include "render/clear.h"
@@ -369,8 +370,8 @@ static void receive_at(Wave *wave, unsigned level, const WavePoint *from, uint32
     wave->point[level + 1][next] = (WavePoint){
         .at = at, .root = from->root, .index = index, .seed = from->seed,
         .guide = guides != NULL ? guides_find(guides, &at) : NULL,
-        .weight = rgb_scale(rgb_mul(rgb_mul(from->weight, wave->pass[k]), m->reflectance),
-                            worth) };
+        .weight = rgb_scale(rgb_mul(rgb_mul(from->weight, wave->pass[k]),
+                                    mirrors_scattered(m, m->reflectance)), worth) };
 }
 
 /* What a lamp that the ray met adds. */

@@ -9,6 +9,7 @@
 #include <math.h>
 
 #include "math/sampling.h"
+#include "radiosity/mirrors.h"
 #include "render/gloss.h"
 
 static const Vec3 up = { 0, 0, 1 };
@@ -77,6 +78,30 @@ static void densities_are_those_of_samples(void **state)
     }
 }
 
+/* Of even light, the mean over directions that it comes from, by the midpoint rule in the square of
+ * the cosine and the direction that leaves. */
+static void shares_for_solvers(void **state)
+{
+    (void)state;
+    enum { ROWS = 32, CELLS = 256 };
+    static const double roughness[] = { 0.5, 0.6, 0.8, 1 };
+    for (int k = 0; k < 4; k++) {
+        Material m = material_default();
+        double   sum = 0, density;
+        m.roughness = roughness[k];
+        for (int i = 0; i < ROWS; i++) {
+            const Gloss g = rough(roughness[k], 1, direction(sqrt((i + 0.5) / ROWS), 0));
+            for (int j = 0; j < CELLS * CELLS; j++)
+                sum += gloss_value(&g, direction((j / CELLS + 0.5) / CELLS,
+                                                 2 * M_PI * (j % CELLS + 0.5) / CELLS), &density);
+        }
+        /* The table is even between its entries but for its bend: second differences are below
+         * 0.04, an eighth of which lines miss; the entries' noise is below 0.001. */
+        const double share = sum * 2 * M_PI / ROWS / CELLS / CELLS;
+        assert_true(fabs(mirrors_gloss_back(&m) - share) <= 0.04 / 8 + 0.002);
+    }
+}
+
 static void both_ways_are_alike(void **state)
 {
     (void)state;
@@ -138,6 +163,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(densities_are_those_of_samples),
+        cmocka_unit_test(shares_for_solvers),
         cmocka_unit_test(both_ways_are_alike),
         cmocka_unit_test(straight_down_is_known),
         cmocka_unit_test(smooth_is_a_mirror),
