@@ -4,6 +4,7 @@
 
 #include <assert.h>
 
+#include "app/saving.h"
 #include "app/trace.h"
 
 /* Links of so many patches, 320 rays each, and the copy that closing makes take up to 768 MB: what
@@ -17,9 +18,11 @@ enum { LINK_BYTES = 8, LINK_COPIES = 2 };
 static const OptionId needs_links[] = {
     OPTION_ADAPT, OPTION_LEAST_SIZE, OPTION_LAMP_RAYS, OPTION_CLOSURE, OPTION_STORAGE,
     OPTION_FACTORS, OPTION_RELAXATION, OPTION_OVERSHOOT, OPTION_NO_AMBIENT, OPTION_COMPARE,
-    OPTION_SET, OPTION_CHANGES, OPTION_LIGHT_GROUPS, OPTION_CHECKPOINT, OPTION_RESUME,
-    OPTION_MAX_ITERATIONS
+    OPTION_SET, OPTION_CHANGES, OPTION_LIGHT_GROUPS, OPTION_MAX_ITERATIONS
 };
+
+/* What the solver over clusters does not do yet. */
+static const OptionId saves[] = { OPTION_CHECKPOINT, OPTION_RESUME };
 
 void pipeline_stochastic_choose(Pipeline *pipeline, uint32_t patches)
 {
@@ -43,6 +46,12 @@ void pipeline_stochastic_choose(Pipeline *pipeline, uint32_t patches)
                 patches > STOCHASTIC_PATCHES ? "" : ", whose links may pass --max-memory");
 }
 
+static bool refuse(const Session *session, OptionId id, Error *err)
+{
+    return error_set(err, ERROR_USAGE, "%s: not with --solver %s", options_table()[id].name,
+                     session->settings.clusters ? "hierarchical" : "stochastic");
+}
+
 bool pipeline_stochastic_places(Pipeline *pipeline, Error *err)
 {
     const Session *session = pipeline->session;
@@ -51,10 +60,14 @@ bool pipeline_stochastic_places(Pipeline *pipeline, Error *err)
     for (size_t k = 0; k < sizeof needs_links / sizeof *needs_links; k++)
         if (options_given(&session->options, needs_links[k]) &&
             !(session->settings.clusters && needs_links[k] == OPTION_LAMP_RAYS))
-            return error_set(err, ERROR_USAGE, "%s: not with --solver %s",
-                             options_table()[needs_links[k]].name,
-                             session->settings.clusters ? "hierarchical" : "stochastic");
+            return refuse(session, needs_links[k], err);
+    for (int k = 0; k < 2 && session->settings.clusters; k++)
+        if (options_given(&session->options, saves[k]))
+            return refuse(session, saves[k], err);
     pipeline_begin(pipeline, STAGE_FACTORS);
+    if (!saving_resume(pipeline->saving, err))
+        return false;
+    pipeline->links = links_destroy(pipeline->links); /* an earlier run's, without places */
     do {
         open_places_find(&pipeline->room, session->settings.seed, session->settings.threads,
                          &pipeline->places, &session->monitor, err);
@@ -76,8 +89,10 @@ bool pipeline_stochastic_solve(Pipeline *pipeline, Error *err)
     const StochasticOptions so = { .tolerance = given ? settings->tolerance : 0,
                                    .rays = settings->rays, .seed = settings->seed,
                                    .threads = settings->threads, .trace_user = &trace,
-                                   .trace = trace.file != NULL ? trace_step : NULL };
+                                   .trace = trace.file != NULL ? trace_step : NULL,
+                                   .kept = saving_light(pipeline->saving) };
     pipeline->solution = stochastic_solve(&pipeline->room, &pipeline->places, &pipeline->problem,
                                           &so, &pipeline->stochastic, &session->monitor, err);
+    saving_tick(pipeline->saving); /* where the last round was, when it was asked to stop */
     return trace_finish(&trace, err) && pipeline->solution != NULL;
 }

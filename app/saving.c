@@ -16,8 +16,9 @@
 
 _Static_assert((int)ADAPT_PASSES <= (int)CHECKPOINT_PASSES, "all passes can be told");
 
-/* The caller's parts of a checkpoint. */
-enum { PART_NOTE, PART_TILES };
+/* The caller's parts of a checkpoint: the last is tiles of a picture once there is a solution, and
+ * rounds of the stochastic solver before. */
+enum { PART_NOTE, PART_TILES, PART_LIGHT = PART_TILES };
 
 /* What reports say, kept beside the data itself. */
 typedef struct {
@@ -27,6 +28,7 @@ typedef struct {
     LinksChange change;
     double      factors_seconds, closure_seconds, rounding;
     uint32_t    view, unused; /* pictures that are finished and written */
+    StochasticReport stochastic;
 } Note;
 
 /* --- what the run is made from ---------------------------------------------------------------- */
@@ -105,7 +107,7 @@ static bool add_note(const Saving *s, Checkpoint *c, Error *err)
                     .raw = p->raw, .report = p->report, .change = p->change,
                     .factors_seconds = p->factors_seconds,
                     .closure_seconds = p->closure_seconds, .rounding = p->rounding,
-                    .view = s->view };
+                    .view = s->view, .stochastic = p->stochastic };
     c->part[PART_NOTE] = bytes;
     c->size[PART_NOTE] = sizeof note + size;
     if (bytes != NULL) {
@@ -150,9 +152,12 @@ static bool save(Saving *s, Error *err)
         c.links = &bare;
         c.solution = p->solution;
     }
+    const bool light = s->state == SAVING_ROWS && s->light != NULL; /* lent, not made */
+    if (light)
+        c.part[PART_LIGHT] = stochastic_kept_bytes(s->light, &c.size[PART_LIGHT]);
     const bool saved = checkpoint_save(&c, s->path, err);
     array_free(c.part[PART_NOTE]);
-    array_free(c.part[PART_TILES]);
+    array_free(light ? NULL : c.part[PART_TILES]);
     array_free(bare.first);
     return saved;
 }
@@ -245,6 +250,7 @@ static bool take_links(Saving *s, const Note *note, Error *err)
     p->closure_seconds = note->closure_seconds;
     p->rounding = note->rounding;
     s->views_before = note->view;
+    p->stochastic = note->stochastic;
     if (c->size[PART_NOTE] > sizeof *note) {
         const unsigned char *groups = (const unsigned char *)c->part[PART_NOTE] + sizeof *note;
         p->relit.groups = light_groups_unpack(groups, c->size[PART_NOTE] - sizeof *note, count,
@@ -257,6 +263,13 @@ static bool take_links(Saving *s, const Note *note, Error *err)
         s->rows = c->rows;
         c->rows = NULL;
     }
+    if (note->state == SAVING_ROWS && c->part[PART_LIGHT] != NULL) {
+        StochasticKept *light = saving_light(s);
+        void *bytes = c->part[PART_LIGHT];
+        c->part[PART_LIGHT] = light != NULL ? NULL : bytes;
+        if (light == NULL || !stochastic_kept_load(light, bytes, c->size[PART_LIGHT], count))
+            return refuse(s, "holds light that cannot be", err);
+    }
     if (c->part[PART_TILES] != NULL &&
         !kept_tiles_unpack(s->tiles, c->part[PART_TILES], c->size[PART_TILES]))
         return refuse(s, "holds a picture that cannot be", err);
@@ -265,7 +278,7 @@ static bool take_links(Saving *s, const Note *note, Error *err)
 
 bool saving_resume(Saving *s, Error *err)
 {
-    Note note;
+    Note note = { .state = SAVING_ROWS };
     if (s == NULL)
         return true;
     s->key = find_key(s->pipeline);
@@ -286,13 +299,23 @@ bool saving_resume(Saving *s, Error *err)
 
 void saving_state(Saving *s, SavingState state)
 {
-    if (s != NULL)
-        s->state = state;
+    if (s == NULL)
+        return;
+    /* Of a solution that was broken off, what was saved before is worth more. */
+    const Pipeline *p = s->pipeline;
+    const bool broken = state == SAVING_SOLUTION && p->solution != NULL &&
+                        !p->solution->converged && session_stopped(p->session);
+    s->state = broken ? SAVING_NOTHING : state;
 }
 
 KeptRows *saving_rows(Saving *s)
 {
     return s != NULL ? s->rows : NULL;
+}
+
+StochasticKept *saving_light(Saving *s)
+{
+    return s != NULL && s->pipeline->session->settings.stochastic ? s->light : NULL;
 }
 
 void saving_view(Saving *s, uint32_t view)
@@ -374,6 +397,7 @@ bool saving_begin(Saving *s, Pipeline *pipeline, Error *err)
     session->tick_user = s;
     s->rows = kept_rows_create(err);
     s->tiles = kept_tiles_create(err);
+    s->light = stochastic_kept_create(err);
     return !error_is_set(err);
 }
 
@@ -388,4 +412,5 @@ void saving_end(Saving *s, bool finished)
         array_free(s->split[k]);
     kept_rows_destroy(s->rows);
     kept_tiles_destroy(s->tiles);
+    stochastic_kept_destroy(s->light);
 }

@@ -74,6 +74,8 @@ static bool run_create(Run *run, Error *err)
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         *all[k] = array_create(run->n, sizeof **all[k], what, err);
     return !error_is_set(err) && shooter_create(&run->shooter, err) &&
+           (run->options->kept == NULL ||
+            stochastic_kept_begin(run->options->kept, run->shooter.count, err)) &&
            even_tree_create(run->shooter.room, run->shooter.places->links->area,
                             run->shooter.threads, &run->tree, err);
 }
@@ -448,6 +450,51 @@ static uint32_t round_rays(const Run *run, double most)
     return ROUND_KINDS * rays > left ? 0 : rays;
 }
 
+static StochasticPlaces run_places(const Run *run)
+{
+    return (StochasticPlaces){ .power = { run->direct[0], run->direct[1], run->indirect[0],
+                                          run->indirect[1] },
+                               .missed = run->shooter.missed, .told = run->shooter.told,
+                               .sights = run->sights };
+}
+
+/* For a later run to go on from here. */
+static void keep(const Run *run, uint32_t rays)
+{
+    const StochasticPlaces places = run_places(run);
+    StochasticHead head = { .rays = count_rays(run), .unshot = run->unshot,
+                            .quantum = run->quantum, .count = run->shooter.count,
+                            .batches = run->batches, .rounds = run->rounds, .round_rays = rays };
+    memcpy(head.escaped, run->escaped, sizeof head.escaped);
+    if (run->options->kept != NULL)
+        stochastic_kept_put(run->options->kept, &head, &places);
+}
+
+/* Goes on from where an earlier run was, with `rays` of each half of a round; false: there is
+ * none. */
+static bool take_up(Run *run, uint32_t *rays)
+{
+    const StochasticPlaces places = run_places(run);
+    StochasticHead head;
+    if (run->options->kept == NULL || !stochastic_kept_get(run->options->kept, &head, &places))
+        return false;
+    assert(head.count == run->shooter.count);
+    run->shooter.scratch[0].rays = head.rays;
+    run->unshot = head.unshot;
+    run->quantum = head.quantum;
+    run->batches = head.batches;
+    run->rounds = head.rounds;
+    run->parts = head.rounds > 0 ? 2 * head.rounds : head.batches;
+    memcpy(run->escaped, head.escaped, sizeof run->escaped);
+    for (uint32_t k = 0; k < run->tree.count; k++)
+        run->sights[run->tree.order[k]] |= run->sights[run->tree.order[k]] == 0;
+    run->report->error = estimate_error(run);
+    if (run->rounds > 0)
+        find_scale(run);
+    *rays = head.round_rays;
+    return true;
+}
+
 static void solve_all(Run *run, Solution *solution, const Monitor *monitor)
 {
     const StochasticOptions *o = run->options;
@@ -455,11 +502,15 @@ static void solve_all(Run *run, Solution *solution, const Monitor *monitor)
     const double most = (double)(o->rays > 0 ? o->rays : 256) * run->shooter.count;
     for (unsigned b = 0; b < ROOM_BANDS; b++)
         run->scale[b] = 1;
-    shoot_all(run, solution, most, monitor);
-    const uint32_t rays = run->quantum > 0 || run->shooter.lamp_power > 0
-                              ? round_rays(run, most) : 0;
-    deal_sights(run, rays);
-    bool reached = rays == 0;
+    uint32_t rays;
+    if (!take_up(run, &rays)) {
+        shoot_all(run, solution, most, monitor);
+        rays = run->quantum > 0 || run->shooter.lamp_power > 0 ? round_rays(run, most) : 0;
+        deal_sights(run, rays);
+        if (!monitor_stop(monitor))
+            keep(run, rays);
+    }
+    bool reached = rays == 0 || (run->rounds > 0 && run->report->error <= tolerance);
     while (!reached && round_rays(run, most) >= rays && !monitor_stop(monitor)) {
         if (!gather_halves(run, rays, monitor)) {
             run->report->error = estimate_error(run);
@@ -468,6 +519,7 @@ static void solve_all(Run *run, Solution *solution, const Monitor *monitor)
         add_round(run);
         run->report->error = estimate_error(run);
         find_scale(run);
+        keep(run, rays);
         reached = run->report->error <= tolerance;
         const double squared = tolerance / fmax(run->report->error, tolerance);
         tell(run, solution, fmin(1, fmax(squared * squared, (double)count_rays(run) / most)),

@@ -22,6 +22,7 @@
 #include "radiosity/links.h"
 #include "radiosity/room.h"
 #include "radiosity/solve.h"
+#include "radiosity/stochastic_kept.h"
 
 /* Which places of patches are outside solids. */
 typedef struct {
@@ -45,6 +46,7 @@ typedef struct {
     void   (*trace)(void *user, const SolveStep *step); /* after shooting, after each round:
                                                             residual is the estimated error */
     void    *trace_user;
+    StochasticKept *kept;    /* what the run goes on from, and keeps; NULL: neither */
 } StochasticOptions;
 
 typedef struct {

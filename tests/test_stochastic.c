@@ -205,6 +205,107 @@ static void test_threads(void **state)
     room_clear(&r);
 }
 
+typedef struct {
+    int    left;      /* times that progress is told before the run is to stop */
+    bool   stop;
+} Break;
+
+static void count_down(void *user, const Progress *progress)
+{
+    Break *at = user;
+    assert_true(progress->done >= 0 && progress->done <= 1);
+    at->stop = at->stop || --at->left <= 0;
+}
+
+static bool must_stop(void *user)
+{
+    return ((const Break *)user)->stop;
+}
+
+/* Broken off at several moments, its state taken as bytes, and taken up by another run. */
+static void test_kept(void **state)
+{
+    (void)state;
+    enum { BREAKS = 8 };
+    TestRoom r = { .surfaces = NULL };
+    Lit whole;
+    Error err = { 0 };
+    size_t size;
+    uint32_t rounds = 0;
+    room_box(&r, vec3(0, 0, 0), vec3(1, 2, 1.5), BOX_ALL & ~BOX_Z0, true,
+             room_material(&r, 0.7, 1), "");
+    build(&r, 0.12, vec3(0.5, 1, 0.75));
+    StochasticOptions o = { .rays = 1024, .threads = 2, .tolerance = 1e-9 };
+    light(&whole, &r, NULL, &o);
+    const SolveProblem problem = { ROOM_BANDS, whole.emission, whole.reflectance, NULL };
+    const size_t bytes = sizeof(double) * ROOM_BANDS * whole.solution->count;
+    for (int k = 1; k <= BREAKS; k++) {
+        StochasticKept *kept = stochastic_kept_create(&err), *on = stochastic_kept_create(&err);
+        StochasticReport report;
+        Break at = { .left = k };
+        const Monitor monitor = { .user = &at, .progress = count_down, .stop = must_stop };
+        assert_null(stochastic_kept_bytes(kept, &size));
+        o.kept = kept;
+        Solution *part = stochastic_solve(&r.room, &whole.places, &problem, &o, &report, &monitor,
+                                          &err);
+        assert_true(report.rays <= whole.report.rays);
+        void *saved = stochastic_kept_bytes(kept, &size);
+        if (saved != NULL) {
+            void *copy = array_create(size, 1, "test", &err);
+            memcpy(copy, saved, size);
+            assert_true(stochastic_kept_load(on, copy, size, part->count));
+            rounds += report.rays < whole.report.rays;
+        }
+        o.kept = on;
+        Solution *rest = stochastic_solve(&r.room, &whole.places, &problem, &o, &report, NULL,
+                                          &err);
+        assert_memory_equal(rest->irradiance, whole.solution->irradiance, bytes);
+        assert_int_equal(report.rays, whole.report.rays);
+        assert_memory_equal(report.escaped, whole.report.escaped, sizeof report.escaped);
+        assert_int_equal(rest->iterations, whole.solution->iterations);
+        solution_destroy(part);
+        solution_destroy(rest);
+        stochastic_kept_destroy(kept);
+        stochastic_kept_destroy(on);
+    }
+    assert_true(rounds > 2); /* broken off in the midst, with something to go on from */
+    lit_clear(&whole);
+    room_clear(&r);
+}
+
+/* Bytes that are none of such a run are refused. */
+static void test_kept_damaged(void **state)
+{
+    (void)state;
+    enum { COUNT = 3 };
+    Error err = { 0 };
+    StochasticKept *kept = stochastic_kept_create(&err);
+    double power[COUNT * ROOM_BANDS] = { 1, 2, 3 };
+    float missed[COUNT] = { 1, 0, 2 }, told[COUNT] = { 16, 16, 16 };
+    uint16_t sights[COUNT] = { 4, 0, 1 };
+    StochasticPlaces places = { .power = { power, power, power, power }, .missed = missed,
+                                .told = told, .sights = sights };
+    const StochasticHead good = { .count = COUNT, .batches = 4, .rounds = 2, .round_rays = 16 };
+    for (int k = 0; k < 7; k++) {
+        StochasticHead head = good;
+        size_t size;
+        assert_true(stochastic_kept_begin(kept, COUNT, &err));
+        head.batches = k == 2 ? 3 : 4;
+        head.round_rays = k == 3 ? 5 : 16;
+        power[4] = k == 4 ? NAN : 1;
+        sights[0] = k == 5 ? 6 : 4;
+        stochastic_kept_put(kept, &head, &places);
+        const void *from = stochastic_kept_bytes(kept, &size);
+        void *copy = array_create(size, 1, "test", &err);
+        memcpy(copy, from, size);
+        const bool fits = stochastic_kept_load(kept, copy, k == 6 ? size - 1 : size,
+                                               k == 1 ? COUNT + 1 : COUNT);
+        assert_true(fits == (k == 0));
+        assert_true((stochastic_kept_bytes(kept, &size) != NULL) == fits);
+    }
+    stochastic_kept_destroy(kept);
+}
+
 /* A box on the floor hides 1/4 of it: that is found, as an area, and no light leaves from there. */
 static void test_hidden(void **state)
 {
@@ -283,6 +384,7 @@ int main(void)
         cmocka_unit_test(test_plates),  cmocka_unit_test(test_leaks),
         cmocka_unit_test(test_threads), cmocka_unit_test(test_hidden),
         cmocka_unit_test(test_darkness), cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_kept),    cmocka_unit_test(test_kept_damaged),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -58,6 +58,26 @@ ok "resumed and saved on" exits 0 solve "$cube" -o "$DIR/b.ply" "${some[@]}" --r
 ok "saved on: same bytes" cmp "$DIR/a.ply" "$DIR/b.ply"
 ok "then it is taken away" test ! -e "$mark"
 
+# Rounds of the stochastic solver; a tolerance that is not reached.
+rounds=(--patches 2000 --rays 2048 --solver stochastic --tolerance 1e-6 --progress none)
+ok "rounds, unbroken" exits 4 solve "$cube" -o "$DIR/a.ply" "${rounds[@]}"
+for name in INT KILL; do
+    broken "$name" "$DIR/b.ply" solve "$cube" "${rounds[@]}"
+    ok "rounds, $name: exit code" test "$CODE" = "$([ "$name" = KILL ] && echo 137 || echo 5)"
+    ok "rounds, $name: resumed" exits 4 solve "$cube" -o "$DIR/b.ply" "${rounds[@]}" \
+        --threads 1 --resume "$mark"
+    ok "rounds, $name: same bytes" cmp "$DIR/a.ply" "$DIR/b.ply"
+done
+ok "rounds, saved on" exits 4 solve "$cube" -o "$DIR/b.ply" "${rounds[@]}" --resume "$mark" \
+    --checkpoint 0
+ok "rounds, saved on: same bytes" cmp "$DIR/a.ply" "$DIR/b.ply"
+ok "rounds, time limit" exits 5 solve "$cube" -o "$DIR/b.ply" "${rounds[@]}" --rays 1000000 \
+    --checkpoint 1h --time-limit 1.5s
+ok "rounds, time limit: a checkpoint" test -s "$mark"
+ok "rounds, other rays" fails 3 'other options' solve "$cube" "${rounds[@]}" --resume "$mark"
+ok "not of clusters" fails 2 'checkpoint: not with --solver hierarchical' solve "$cube" \
+    --patches 400 --solver hierarchical --checkpoint 1h
+
 ok "a picture, unbroken" exits 0 render "$cube" -o "$DIR/a.exr" "${some[@]}" "${view[@]}"
 ok "time limit in the picture" exits 5 render "$cube" -o "$DIR/b.exr" "${some[@]}" "${view[@]}" \
     --spp 65536 --error 0.01% --checkpoint 1h --time-limit 1.5s
