@@ -239,8 +239,9 @@ static bool builds(Bench *b, int which, Bvh **bvh, Peer **peer, Error *err)
         if (*bvh == NULL)
             return false;
         bvh_stats(*bvh, &stats);
-        peer_destroy(*peer);
-        *peer = peer_create(m, threads, &theirs[i], &bytes);
+        *peer = peer_destroy(*peer);
+        if (!b->settings->alone)
+            *peer = peer_create(m, threads, &theirs[i], &bytes);
     }
     const double a = median(ours, 3), e = median(theirs, 3);
     b->build[which] = a;
