@@ -14,6 +14,7 @@ typedef struct {
     double   exposure, seconds;
     uint64_t rays;
     bool     made;              /* in this run; an earlier one may have made it */
+    double   records_error; /* of RenderReport */
 } PictureReport;
 
 #endif

@@ -347,6 +347,7 @@ static void put_render(Json *json, const Pipeline *pipeline)
         if (settings->error > 0) {
             json_number(json, "error_asked", settings->error);
             json_number(json, "standard_error", pipeline->render.error);
+            json_number(json, "records_error", pipeline->render.records_error);
         }
     }
     json_count(json, "rays", pipeline->render.rays);
@@ -606,6 +607,9 @@ void summary_print(const Pipeline *pipeline)
     if (pipeline->render.error > 0)
         session_say(session, "  error    %.3g %% (standard error of pixels, root mean square)",
                     100 * pipeline->render.error);
+    if (pipeline->render.records_error > 0)
+        session_say(session, "           %.2g %% (light read from records, checked at some pixels)",
+                    100 * pipeline->render.records_error);
     session_say(session, "  in all   %.2f s, %.0f MB",
                 progress_now() - session->printer.start, 1e-6 * (double)progress_peak_bytes());
 }

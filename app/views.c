@@ -53,6 +53,7 @@ void views_note(const Pipeline *pipeline, PictureReport *p)
     if (pipeline->session->options.renderer == RENDERER_WHITTED)
         p->samples = pipeline->session->settings.spp;
     p->error = paths ? pipeline->path.error : pipeline->render.error;
+    p->records_error = pipeline->render.records_error;
     p->exposure = pipeline->exposure;
     p->rays = pipeline->render.rays;
     p->seconds = pipeline->render.seconds;
@@ -70,6 +71,7 @@ void views_add_up(Pipeline *pipeline)
         all.seconds += p->seconds;
         all.samples += p->samples;
         all.error = fmax(all.error, p->error);
+        all.records_error = fmax(all.records_error, p->records_error);
         known = known && !isnan(p->error);
     }
     all.samples /= made > 0 ? made : 1;

@@ -74,6 +74,9 @@ typedef struct {
     double   rough;   /* share of the pixels that options.whole has made so */
     double   error;   /* standard error of pixels that was reached, root mean square, relative to
                          the mean luminance or a brighter pixel's own; 0: not known */
+    double   records_error; /* of light read from records, bias and all, as records_check finds it
+                               (render/records_fill.h), relative to the mean luminance; with
+                               options.error; 0: not known, or too small to tell */
 } RenderReport;
 
 /* fails  NULL; ERROR_MEMORY. Stopped by the monitor: the image with what was finished (whole rows

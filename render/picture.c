@@ -379,12 +379,33 @@ static void fill_up(Render *render, RenderReport *report)
 
 /* --- running ---------------------------------------------------------------------------------- */
 
+static RecordsWish wish_of(const Render *render)
+{
+    const RenderOptions *o = render->options;
+    return (RecordsWish){ .width = render->image->width, .height = render->image->height,
+                          .rays = o->record_rays, .clear = !o->diffuse_only,
+                          .seed = o->seed, .threads = o->threads };
+}
+
+/* What reading between records does to the picture, where its error is asked for. */
+static bool check_records(const Render *render, RenderReport *report, Error *err)
+{
+    const RenderOptions *o = render->options;
+    const RecordsWish    wish = wish_of(render);
+    double               error;
+    if (o->records == NULL || !(render->mean > 0))
+        return true;
+    if (!records_check(o->records, render->gatherer, &render->camera, &wish, &error, &report->rays,
+                       render->monitor, err))
+        return false;
+    report->records_error = error / render->mean;
+    return true;
+}
+
 static bool fill_records(const Render *render, uint64_t *rays, Error *err)
 {
     const RenderOptions *o = render->options;
-    const RecordsWish wish = { .width = render->image->width, .height = render->image->height,
-                               .rays = o->record_rays, .clear = !o->diffuse_only,
-                               .seed = o->seed, .threads = o->threads };
+    const RecordsWish    wish = wish_of(render);
     return o->records == NULL || records_fill(o->records, render->gatherer, &render->camera, &wish,
                                               rays, render->monitor, err);
 }
@@ -401,7 +422,8 @@ static bool prepare(Render *render, RenderReport *report, Error *err)
     if (!workers_create(render, err) || !fill_records(render, &report->rays, err))
         return false;
     if (o->error > 0 &&
-        (!image_add_deviation(render->image, err) || !find_mean(render, report, err)))
+        (!image_add_deviation(render->image, err) || !find_mean(render, report, err) ||
+         !check_records(render, report, err)))
         return false;
     memset(render->rays, 0, render->tiles * sizeof *render->rays);
     if (o->kept != NULL)

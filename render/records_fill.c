@@ -3,6 +3,7 @@
 #include "render/records_fill.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 
 #include "base/array.h"
@@ -37,6 +38,7 @@ typedef struct {
     double   pixel;  /* width that a pixel covers there, across the view */
     Vec3     along;  /* unit, on the surface: the way it is seen aslant */
     double   slant;  /* >= 1: a pixel is as many times wider that way */
+    double   albedo; /* luminance of its reflectance */
     uint32_t order;  /* neighbours in the picture have near numbers */
     bool     wanted;
 } Place;
@@ -56,6 +58,7 @@ typedef struct {
     uint64_t *rays;      /* [blocks] */
     uint32_t  across, down, wanted;
     int       stride;
+    bool      checking; /* what is wanted are places that records serve */
 } Fill;
 
 /* --- where ----------------------------------------------------------------------------------- */
@@ -71,7 +74,8 @@ static void find_slant(Vec3 view, Place *place)
     place->slant = 1 / fmin(fmax(cosine, 1 / SLANT_MOST), 1);
 }
 
-/* What pixel (x, y) shows, if that receives light and no record serves it. */
+/* What pixel (x, y) shows, if that receives light and no record serves it; or if one does, where
+ * records are checked. */
 static bool look_at(const Fill *fill, int x, int y, Place *place)
 {
     const Room *room = fill->gatherer->room;
@@ -87,14 +91,16 @@ static bool look_at(const Fill *fill, int x, int y, Place *place)
         return false;
     room_hit(room, &h, d, &hit);
     Material scratch;
-    if (!(rgb_max(places_hit(room, &hit, &scratch)->reflectance) > 0))
+    const Rgb albedo = places_hit(room, &hit, &scratch)->reflectance;
+    if (!(rgb_max(albedo) > 0))
         return false;
     const double distance = vec3_length(vec3_sub(hit.point, o));
     *place = (Place){ .at = normals_receive(fill->gatherer->smooth, room, &hit), .wanted = true,
+                      .albedo = rgb_luminance(albedo),
                       .pixel = camera_rays_footprint(fill->camera, distance) };
     find_slant(d, place);
-    return !records_find(fill->records, &place->at, &recorded) ||
-           recorded.nearness < NEAR_ENOUGH;
+    const bool found = records_find(fill->records, &place->at, &recorded);
+    return fill->checking ? found : !found || recorded.nearness < NEAR_ENOUGH;
 }
 
 /* Bits of i and j in turns (a Z-shaped curve). */
@@ -247,8 +253,8 @@ static bool stopped(Error *err)
     return error_set(err, ERROR_STOPPED, "the picture was stopped before it was complete");
 }
 
-/* One grid of pixels. */
-static bool fill_round(Fill *fill, Records *records, uint64_t *rays, Error *err)
+/* Light at what is wanted of one grid of pixels. */
+static bool gather_round(Fill *fill, uint64_t *rays, Error *err)
 {
     const unsigned threads = fill->wish->threads;
     const Progress base = { .stage = "records", .done = 1, .energy_left = -1 };
@@ -273,13 +279,32 @@ static bool fill_round(Fill *fill, Records *records, uint64_t *rays, Error *err)
         return stopped(err);
     for (uint32_t b = 0; b < blocks; b++)
         *rays += fill->rays[b];
-    return records_add_apart(records, fill->record, fill->light, fill->wanted, err);
+    return true;
+}
+
+static void end_round(Fill *fill)
+{
+    fill->place = array_free(fill->place);
+    fill->record = array_free(fill->record);
+    fill->light = array_free(fill->light);
+    fill->rays = array_free(fill->rays);
 }
 
 static void fit_range(void *context, uint32_t begin, uint32_t end, unsigned thread)
 {
     (void)thread;
     records_fit(context, begin, end);
+}
+
+/* Defaults of the wish, and scratch space for each thread. */
+static void begin_fill(Fill *fill, RecordsWish *w, Error *err)
+{
+    w->rays = w->rays > 1 ? w->rays : 1024;
+    assert(w->width > 0 && w->height > 0);
+    w->threads = parallel_threads(w->threads);
+    fill->wave = array_create(w->threads, sizeof *fill->wave, "records", err);
+    for (unsigned i = 0; fill->wave != NULL && i < w->threads; i++)
+        fill->wave[i].gatherer = fill->gatherer;
 }
 
 bool records_fill(Records *records, const Gatherer *gatherer, const CameraRays *camera,
@@ -289,14 +314,9 @@ bool records_fill(Records *records, const Gatherer *gatherer, const CameraRays *
     Fill        fill = { .records = records, .gatherer = gatherer, .camera = camera, .wish = &w,
                          .monitor = monitor };
     assert(records != NULL && gatherer != NULL);
-    w.rays = w.rays > 1 ? w.rays : 1024;
-    assert(w.width > 0 && w.height > 0);
-    w.threads = parallel_threads(w.threads);
     if (error_is_set(err))
         return false;
-    fill.wave = array_create(w.threads, sizeof *fill.wave, "records", err);
-    for (unsigned i = 0; fill.wave != NULL && i < w.threads; i++)
-        fill.wave[i].gatherer = gatherer;
+    begin_fill(&fill, &w, err);
     fill.groups = records_groups(records);
     assert(fill.groups == (gatherer->split != NULL ? gatherer->split->count + 1 : 0));
     if (fill.groups > 0)
@@ -306,11 +326,9 @@ bool records_fill(Records *records, const Gatherer *gatherer, const CameraRays *
         fill.wave = array_free(fill.wave);
     for (fill.stride = STRIDE_FIRST; fill.wave != NULL && fill.stride >= STRIDE_LAST;
          fill.stride /= 2) {
-        const bool done = fill_round(&fill, records, rays, err);
-        fill.place = array_free(fill.place);
-        fill.record = array_free(fill.record);
-        fill.light = array_free(fill.light);
-        fill.rays = array_free(fill.rays);
+        const bool done = gather_round(&fill, rays, err) &&
+                          records_add_apart(records, fill.record, fill.light, fill.wanted, err);
+        end_round(&fill);
         if (!done)
             break;
     }
@@ -319,5 +337,49 @@ bool records_fill(Records *records, const Gatherer *gatherer, const CameraRays *
     if (!error_is_set(err) &&
         !parallel_for(records_count(records), 256, w.threads, fit_range, records, monitor, NULL))
         stopped(err);
+    return !error_is_set(err);
+}
+
+/* --- how well it is read --------------------------------------------------------------------- */
+
+/* About so many places are looked at: 1/16 of the mean square is its standard error then, were the
+ * errors normal numbers of one size; and their rays add a tenth to those of records or so. */
+enum { CHECKS = 256, SEED_CHECK = 320 };
+
+/* With two gathers of one place, m + h and m - h, and r read there, (m + h - r)(m - h - r) has the
+ * mean of (truth - r)^2, whatever the gathers' noise. */
+static double mean_square(const Fill *fill)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < fill->wanted; i++) {
+        const double h = fill->record[i].deviation, factor = fill->place[i].albedo / M_PI;
+        Recorded     read;
+        if (!records_find(fill->records, &fill->place[i].at, &read))
+            continue;
+        const double d = rgb_luminance(fill->record[i].irradiance) -
+                         rgb_luminance(read.irradiance);
+        sum += factor * factor * (d * d - h * h);
+    }
+    return fill->wanted > 0 ? fmax(sum, 0) / fill->wanted : 0;
+}
+
+bool records_check(const Records *records, const Gatherer *gatherer, const CameraRays *camera,
+                   const RecordsWish *wish, double *error, uint64_t *rays, const Monitor *monitor,
+                   Error *err)
+{
+    RecordsWish w = *wish;
+    Fill        fill = { .records = records, .gatherer = gatherer, .camera = camera, .wish = &w,
+                         .monitor = monitor, .checking = true };
+    assert(records != NULL && gatherer != NULL && error != NULL);
+    *error = 0;
+    if (error_is_set(err))
+        return false;
+    begin_fill(&fill, &w, err);
+    w.seed = sampling_seed(w.seed, 0, 0, SEED_CHECK);
+    fill.stride = (int)fmax(ceil(sqrt((double)w.width * w.height / CHECKS)), 1);
+    if (fill.wave != NULL && gather_round(&fill, rays, err))
+        *error = sqrt(mean_square(&fill));
+    end_round(&fill);
+    array_free(fill.wave);
     return !error_is_set(err);
 }

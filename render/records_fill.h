@@ -23,4 +23,13 @@ typedef struct {
 bool records_fill(Records *records, const Gatherer *gatherer, const CameraRays *camera,
                   const RecordsWish *wish, uint64_t *rays, const Monitor *monitor, Error *err);
 
+/* How far off light is that is read from records: root mean square, at some hundred pixels of a
+ * grid over the view that records serve, of the luminance that they reflect of it; against gathers
+ * there that share no ray with the records. Noise of records is in it. Noise of these gathers is
+ * not, but makes it uncertain: 0 where it is less than they can tell.
+ * fails  false; ERROR_MEMORY, ERROR_STOPPED. */
+bool records_check(const Records *records, const Gatherer *gatherer, const CameraRays *camera,
+                   const RecordsWish *wish, double *error, uint64_t *rays, const Monitor *monitor,
+                   Error *err);
+
 #endif
