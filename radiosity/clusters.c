@@ -19,6 +19,10 @@ static const double SWEPT = 0.02;
 /* Sweeps of one round at most: 0.99^1000 is below 1e-4. */
 enum { SWEEPS_MOST = 1000 };
 
+/* Sweeps that are made all the same when it is to stop: of light that is reflected by a half, next to
+ * nothing is missing then. */
+enum { STOPPED_SWEEPS = 12 };
+
 /* Steps of importance between rounds, and at the end, where none may be missing. */
 enum { MEANING_SWEEPS = 8, MEANING_LAST = 4000 };
 
@@ -132,7 +136,7 @@ static void sweep(Run *run, double least, const Monitor *monitor)
         s->residual = s->unshot = cluster_light_sweep(&run->light, s->radiosity, s->irradiance);
         s->iterations++;
         cluster_light_pull(&run->light, s->radiosity);
-        if (s->residual <= least || (k > 0 && monitor_stop(monitor)))
+        if (s->residual <= least || (k >= STOPPED_SWEEPS && monitor_stop(monitor)))
             break;
     }
 }
