@@ -19,8 +19,8 @@ static const double SWEPT = 0.02;
 /* Sweeps of one round at most: 0.99^1000 is below 1e-4. */
 enum { SWEEPS_MOST = 1000 };
 
-/* Sweeps that are made all the same when it is to stop: of light that is reflected by a half, next to
- * nothing is missing then. */
+/* Sweeps that are made all the same when it is to stop: where a half of light is reflected, next
+ * to nothing is missing then. */
 enum { STOPPED_SWEEPS = 12 };
 
 /* Steps of importance between rounds, and at the end, where none may be missing. */

@@ -97,6 +97,7 @@ static bool even_out(LastGather *last, ClustersReport *report, Error *err)
 static double balance(const LastGather *last, const SolveProblem *p, unsigned band,
                       double *escaped)
 {
+    assert(band < ROOM_BANDS);
     const ClusterTree *tree = last->links->tree;
     double lost = 0, sent = 0, gone = 0;
     *escaped = 0;
@@ -191,6 +192,7 @@ bool clusters_gather(const ClusterLinks *links, const SolveProblem *problem,
                      const ClustersOptions *options, const double *weight, Solution *solution,
                      ClustersReport *report, const Monitor *monitor, Error *err)
 {
+    assert(options->gather > 0 && solution->count == links->shooter.room->patches->count);
     LastGather last = { .links = links, .radiosity = solution->radiosity };
     const Progress progress = { .stage = "solve", .energy_left = -1 };
     if (create(&last, options, err)) {

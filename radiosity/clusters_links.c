@@ -105,6 +105,7 @@ static bool push_self(ClusterLinks *links, const Candidate *whole, Error *err)
  * stand for those cast already. */
 static bool push_parts(ClusterLinks *links, const Candidate *c, Error *err)
 {
+    assert(c->to != c->from);
     const ClusterNode *to = &links->tree->node[c->to], *from = &links->tree->node[c->from];
     const bool split_to = to->child != 0 && (from->child == 0 || to->area >= from->area);
     if (to->child == 0 && from->child == 0) {
@@ -218,6 +219,7 @@ static bool part_all(ClusterLinks *links, const ClusterOracle *oracle, Candidate
                      uint64_t *refined, Error *err)
 {
     const size_t old = links->count;
+    assert(links->stacked == 0 && oracle->threshold > 0);
     for (size_t k = 0; k < old; k++) {
         const ClusterLink link = links->link[k];
         if (!is_refinable(links, oracle, &link))

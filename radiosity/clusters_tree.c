@@ -79,6 +79,7 @@ static void measure(const Grower *g, ClusterNode *n)
  * are halved by number. */
 static uint32_t divide(const Grower *g, const ClusterNode *n)
 {
+    assert(n->end - n->begin > 1);
     uint32_t *patch = g->tree->patch, at = n->begin;
     unsigned axis = 0;
     double middle = 0;
@@ -152,6 +153,7 @@ void cluster_tree_clear(ClusterTree *tree)
 
 uint32_t cluster_tree_choose(const ClusterTree *tree, uint32_t node, double u, double *rest)
 {
+    assert(node < tree->count && u >= 0 && u < 1);
     const ClusterNode *n = &tree->node[node];
     const double start = tree->before[n->begin];
     const double at = start + u * (tree->before[n->end] - start);
