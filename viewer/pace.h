@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* viewer/pace.h -- how quick the window is: what frames cost, how soon input shows, when light came.
+/* viewer/pace.h -- how quick the window is: what frames cost, how soon input and light show.
  *
  * Seconds count from the program's begin. Threads: the window's.
  */
