@@ -211,3 +211,18 @@ Vec3 copies_normal(const RoomCopies *copies, const InstanceHit *found, const Roo
                               affine_vector(local, in));
     return vec3_unit(affine_normal(local, n));
 }
+
+Receiver copies_receive(const RoomCopies *copies, const InstanceHit *found, const RoomHit *hit)
+{
+    assert(copies != NULL && found->instance != RAY_MISS && found->instance > 0);
+    const uint32_t i = found->instance - 1;
+    const Look    *look = &copies->look[copies->look_of[i]];
+    const Affine  *world = &copies->placement[i].to_world, *local = &copies->to_local[i];
+    RoomHit        own = *hit;
+    own.point = affine_point(local, hit->point);
+    own.normal = vec3_unit(affine_normal(world, hit->normal)); /* the way back */
+    const Receiver at = normals_receive(copies->mesh[look->mesh].smooth, &look->room, &own);
+    const Vec3     lift = affine_vector(world, vec3_sub(at.point, own.point));
+    return (Receiver){ vec3_add(hit->point, lift), vec3_unit(affine_normal(local, at.normal)),
+                       vec3_unit(affine_normal(local, at.face)) };
+}

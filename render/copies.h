@@ -12,6 +12,7 @@
 
 #include "radiosity/room.h"
 #include "raycast/instances.h"
+#include "render/lamps.h"
 #include "scenes/scene.h"
 
 typedef struct RoomCopies RoomCopies;
@@ -34,6 +35,9 @@ const Room *copies_hit(const RoomCopies *copies, const InstanceHit *found, Vec3 
 /* Normal for mirrors and gloss where copies_hit has been, met by a ray along `in`: shared across
  * edges that are not creases, in the mesh's own space. */
 Vec3 copies_normal(const RoomCopies *copies, const InstanceHit *found, const RoomHit *hit, Vec3 in);
+
+/* Where light is received that the eye sees there: normals_receive in the mesh's own space. */
+Receiver copies_receive(const RoomCopies *copies, const InstanceHit *found, const RoomHit *hit);
 
 /* How far rays start off surfaces of all rooms: rounded in the world and in a copy's own space. */
 double copies_offset(const RoomCopies *copies);

@@ -89,7 +89,7 @@ void path_surface_init(PathSurface *surface, const PathScene *scene, const Room 
     if (sharp && room == scene->room)
         surface->at = normals_receive(scene->smooth, room, hit);
     else if (sharp)
-        surface->at.normal = normal_at(scene, room, found, hit, vec3_scale(hit->normal, -1));
+        surface->at = copies_receive(scene->copies, found, hit);
     if (!scene->options->diffuse_only && specular_exists(m)) {
         surface->normal = normal_at(scene, room, found, hit, in);
         if (rgb_max(m->transmittance) > 0) {
