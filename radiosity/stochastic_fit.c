@@ -14,10 +14,6 @@
 
 enum { SERIES = 2 * ROOM_BANDS, AXES = 3 };
 
-/* What one parameter of a fit costs, in variances: 2 for a group that was given [mallows73], more
- * where many were to choose from. */
-static const double PENALTY = 3;
-
 /* Directions thinner than this share of the widest tell nothing: places of one plane, rounded. */
 static const double THIN = 1e-4;
 
@@ -135,9 +131,9 @@ static double group_cost(const Moments *m, double variance)
 {
     double l[AXES][AXES], slope[AXES];
     const unsigned rank = factorize(m, l);
-    const double even = m->m[AXES][AXES] + PENALTY * variance;
+    const double even = m->m[AXES][AXES] + EVEN_PENALTY * variance;
     const double left = m->m[AXES][AXES] - slope_of(l, m->m[AXES], slope);
-    return fmin(even, fmax(left, 0) + PENALTY * variance * (1 + rank));
+    return fmin(even, fmax(left, 0) + EVEN_PENALTY * variance * (1 + rank));
 }
 
 static void range_noise(const Fit *f, uint32_t begin, uint32_t end, double *noise, uint32_t *count)
@@ -161,7 +157,7 @@ static FitNode choose(Fit *f, uint32_t begin, uint32_t end, double variance)
     }
     if (end - begin == 1) {
         FitNode node = leaf(f, f->tree->order[begin]);
-        node.cost = node.moments.patches > 0 ? PENALTY * variance : 0;
+        node.cost = node.moments.patches > 0 ? EVEN_PENALTY * variance : 0;
         return node;
     }
     const uint32_t middle = begin + (end - begin) / 2;
@@ -238,7 +234,7 @@ static void settle(Fit *f, uint32_t begin, uint32_t end)
     f->groups++;
     const double variance = m.noise / m.patches;
     const unsigned rank = factorize(&m, l);
-    if (slope_of(l, m.m[AXES], spare) > PENALTY * variance * rank)
+    if (slope_of(l, m.m[AXES], spare) > EVEN_PENALTY * variance * rank)
         fit_series(f, begin, end, &m, mean, slope);
     for (uint32_t k = begin; k < end; k++) {
         const uint32_t i = f->tree->order[k];

@@ -129,6 +129,10 @@ typedef struct {
 /* Patches whose noise is told together: enough for 35 % of it. */
 enum { EVEN_POOL = 16 };
 
+/* What one parameter of a fit costs, in variances: 2 for a group that was given [mallows73], more
+ * where many were to choose from. */
+static const double EVEN_PENALTY = 3;
+
 bool even_tree_create(const Room *room, const double *area, unsigned threads, EvenTree *tree,
                       Error *err);
 void even_tree_clear(EvenTree *tree);

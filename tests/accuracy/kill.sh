@@ -12,12 +12,19 @@ dir=$(mktemp -d) || exit 1
 trap 'rm -rf "$dir"' EXIT
 RANDOM=${SEED:-1}
 
+# A result, whether or not it is as good as was asked.
+made() {
+    "$isolux" "$@"
+    local code=$?
+    [ "$code" = 0 ] || [ "$code" = 4 ]
+}
+
 # KIND ENDING OPTIONS...: breaks that many runs off and goes on with them
 kill_runs() {
     local kind=$1 ending=$2 begin length resumed=0 early=0 late=0 wrong=0
     shift 2
     begin=$(date +%s%N)
-    "$isolux" "$kind" "$scene" -o "$dir/whole.$ending" --progress none "$@" || exit 1
+    made "$kind" "$scene" -o "$dir/whole.$ending" --progress none "$@" || exit 1
     length=$(($(date +%s%N) - begin))
     for ((k = 0; k < runs; k++)); do
         rm -f "$dir/broken"* "$dir"/.isolux-*
@@ -31,11 +38,11 @@ kill_runs() {
             late=$((late + 1)) k=$((k - 1))
         elif [ -e "$dir/broken.$ending.checkpoint" ]; then
             resumed=$((resumed + 1))
-            "$isolux" "$kind" "$scene" -o "$dir/broken.$ending" --progress none \
+            made "$kind" "$scene" -o "$dir/broken.$ending" --progress none \
                 --resume "$dir/broken.$ending.checkpoint" "$@" || wrong=$((wrong + 1))
         else # killed before anything was there to save: begins again
             early=$((early + 1))
-            "$isolux" "$kind" "$scene" -o "$dir/broken.$ending" --progress none "$@" ||
+            made "$kind" "$scene" -o "$dir/broken.$ending" --progress none "$@" ||
                 wrong=$((wrong + 1))
         fi
         cmp -s "$dir/whole.$ending" "$dir/broken.$ending" || wrong=$((wrong + 1))
