@@ -6,165 +6,9 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include <math.h>
-#include <string.h>
-
-#include "base/array.h"
-#include "math/tolerance.h"
-#include "render/gather.h"
-#include "render/records.h"
+#include "tests/gather_place.h"
 
 static const double PI = 3.14159265358979323846;
-
-/* --- a scene made by code, solved ------------------------------------------------------------- */
-
-typedef struct {
-    Polygons   soup;
-    Surfaces  *surfaces;
-    Bvh       *bvh;
-    Patches   *patches;
-    Links     *links;
-    Solution  *solution;
-    Gatherer  *gatherer;
-    uint8_t   *sides, *emitting;
-    Light      light[2];
-    size_t     light_count;
-    Room       room;
-    Error      err;
-} Place;
-
-static uint32_t add_material(Place *p, Rgb reflectance, Rgb radiance)
-{
-    Material m = material_default();
-    uint32_t index = 0;
-    m.reflectance = reflectance;
-    m.emission = radiance;
-    assert_true(polygons_add_material(&p->soup, &m, &index, &p->err));
-    return index;
-}
-
-static uint32_t grey(Place *p, double reflectance, double radiance)
-{
-    return add_material(p, rgb(reflectance, reflectance, reflectance),
-                        rgb(radiance, radiance, radiance));
-}
-
-/* Parallelogram o, o+u, o+u+v, o+v: its front is the side of u x v. */
-static void add_quad(Place *p, Vec3 o, Vec3 u, Vec3 v, uint32_t material)
-{
-    const Vec3 corner[4] = { o, vec3_add(o, u), vec3_add(vec3_add(o, u), v), vec3_add(o, v) };
-    uint32_t   index[4], group;
-    for (int i = 0; i < 4; i++)
-        assert_true(polygons_add_vertex(&p->soup, corner[i], &index[i], &p->err));
-    assert_true(polygons_add_group(&p->soup, "", &group, &p->err));
-    assert_true(polygons_add_polygon(&p->soup, index, 4, material, group, &p->err));
-}
-
-static void add_shape(Place *p, ShapeKind kind, Vec3 at, double size, uint32_t material)
-{
-    const Affine map = { { size, 0, 0 }, { 0, size, 0 }, { 0, 0, size }, at };
-    Shape        shape;
-    uint32_t     group;
-    assert_true(shape_init(&shape, kind, 1, &map, &p->err));
-    assert_true(polygons_add_group(&p->soup, "", &group, &p->err));
-    assert_true(polygons_add_shape(&p->soup, &shape, material, group, &p->err));
-}
-
-/* A unit cube seen from inside. */
-static void add_room(Place *p, uint32_t material)
-{
-    const Vec3 o = vec3(0, 0, 0), x = vec3(1, 0, 0), y = vec3(0, 1, 0), z = vec3(0, 0, 1);
-    add_quad(p, o, x, y, material);
-    add_quad(p, z, y, x, material);
-    add_quad(p, o, y, z, material);
-    add_quad(p, x, z, y, material);
-    add_quad(p, o, z, x, material);
-    add_quad(p, y, x, z, material);
-}
-
-static void place_trees(Place *p)
-{
-    p->surfaces = surfaces_create(&p->soup, NULL, &p->err);
-    assert_non_null(p->surfaces);
-    const Surfaces  *s = p->surfaces;
-    const Primitives primitives = { s->position,       s->corner,         s->shape,
-                                    s->vertex_count,   s->triangle_count, s->shape_count };
-    p->bvh = bvh_create(&primitives, 1, &p->err);
-    p->sides = array_create(s->count, 1, "test", &p->err);
-    p->emitting = array_create(s->count, 1, "test", &p->err);
-    assert_non_null(p->emitting);
-}
-
-static void place_solve(Place *p)
-{
-    const uint32_t n = p->patches->count;
-    double *emission = array_create((size_t)n * 3, sizeof(double), "test", &p->err);
-    double *reflectance = array_create((size_t)n * 3, sizeof(double), "test", &p->err);
-    Links *raw = links_create(&p->room, &(LinksOptions){ .rays = 64, .threads = 1 }, NULL, &p->err);
-    p->links = links_close(raw, p->patches, CLOSURE_ROWS, 1, NULL, &p->err);
-    links_destroy(raw);
-    assert_string_equal(p->err.text, "");
-    for (uint32_t i = 0; i < n; i++) {
-        const Rgb e = room_emission(&p->room, i);
-        const Rgb r = p->soup.materials[p->patches->material[i]].reflectance;
-        memcpy(emission + 3 * i, &e, sizeof e);
-        memcpy(reflectance + 3 * i, &r, sizeof r);
-    }
-    const SolveProblem problem = { 3, emission, reflectance, NULL };
-    p->solution = solve(p->links, &problem, &(SolveOptions){ .tolerance = 1e-9, .threads = 1 },
-                        NULL, &p->err);
-    assert_non_null(p->solution);
-    array_free(emission);
-    array_free(reflectance);
-}
-
-/* Connects, cuts, solves. `sides`: which sides take part and, where the material emits, emit. */
-static void place_finish(Place *p, uint8_t sides, uint32_t patches)
-{
-    place_trees(p);
-    for (uint32_t i = 0; i < p->surfaces->count; i++) {
-        p->sides[i] = sides;
-        if (rgb_max(p->soup.materials[p->surfaces->surface[i].material].emission) > 0)
-            p->emitting[i] = sides == 3 ? 1 : sides;
-    }
-    const PatchOptions options = { .wanted = patches, .sides = p->sides };
-    p->patches = patches_create(p->surfaces, &options, NULL, &p->err);
-    assert_string_equal(p->err.text, "");
-    p->room = (Room){ .surfaces = p->surfaces, .bvh = p->bvh, .patches = p->patches,
-                      .materials = p->soup.materials, .material_count = p->soup.material_count,
-                      .lights = p->light, .light_count = p->light_count, .sides = p->sides,
-                      .emitting = p->emitting,
-                      .offset = ray_offset(p->surfaces->largest_coordinate) };
-    place_solve(p);
-    p->gatherer = gatherer_create(&p->room, p->solution, p->links, &p->err);
-    assert_non_null(p->gatherer);
-}
-
-static void place_free(Place *p)
-{
-    gatherer_destroy(p->gatherer);
-    solution_destroy(p->solution);
-    links_destroy(p->links);
-    patches_destroy(p->patches);
-    bvh_destroy(p->bvh);
-    surfaces_destroy(p->surfaces);
-    array_free(p->sides);
-    array_free(p->emitting);
-    polygons_clear(&p->soup);
-}
-
-static void place_clear(Place *p)
-{
-    place_free(p);
-    assert_int_equal(array_live(), 0);
-}
-
-static Irradiance measure(const Place *p, Vec3 at, Vec3 normal, uint32_t rays)
-{
-    Irradiance e;
-    gather_irradiance(p->gatherer, at, vec3_unit(normal), rays, 1, &e);
-    return e;
-}
 
 /* --- lamps ----------------------------------------------------------------------------------- */
 
@@ -361,17 +205,6 @@ static void sphere_is_constant(void **state)
     place_clear(&p);
 }
 
-static Image *picture(const Place *p, const Camera *camera, RenderOptions options)
-{
-    Error        err = { 0 };
-    RenderReport report;
-    options.seed = 3;
-    Image *image = render_gather(p->gatherer, camera, &options, &report, NULL, &err);
-    assert_non_null(image);
-    assert_true(report.rays > 0);
-    return image;
-}
-
 static const Camera inside = { .eye = { 0.3, 0.4, 0.9 }, .target = { 0.6, 0.5, 0 },
                                .up = { 0, 1, 0 }, .vertical_fov = 70 };
 
@@ -542,88 +375,6 @@ static void pixels_agree_with_points(void **state)
     place_clear(&p);
 }
 
-/* --- mirrors and glass ----------------------------------------------------------------------- */
-
-/* A mirror of reflectance 0.8 shows a lamp of radiance 2 as 1.6; a pane of transmittance 0.9
- * without index lets 1.8 through; diffuse_only leaves both black; background by itself. */
-static void mirror_and_pane(void **state)
-{
-    (void)state;
-    Place    p = { 0 };
-    Material mirror = material_default(), pane = material_default();
-    uint32_t m, g;
-    mirror.reflectance = pane.reflectance = rgb(0, 0, 0);
-    mirror.specular = rgb(0.8, 0.8, 0.8);
-    mirror.exponent = INFINITY;
-    pane.transmittance = rgb(0.9, 0.9, 0.9);
-    pane.ior = 1;
-    assert_true(polygons_add_material(&p.soup, &mirror, &m, &p.err));
-    assert_true(polygons_add_material(&p.soup, &pane, &g, &p.err));
-    add_quad(&p, vec3(-5, -5, 0), vec3(10, 0, 0), vec3(0, 10, 0), m);  /* below, faces up */
-    add_quad(&p, vec3(-5, -5, 9), vec3(0, 10, 0), vec3(10, 0, 0), grey(&p, 0, 2)); /* faces down */
-    add_quad(&p, vec3(-1, -1, 7), vec3(0, 2, 0), vec3(2, 0, 0), g);
-    place_finish(&p, 3, 30);
-    const Camera down = { .eye = { 0, 0, 5 }, .target = { 1, 0, 0 }, .up = { 0, 1, 0 },
-                          .vertical_fov = 1 };
-    const Camera up = { .eye = { 0, 0, 5 }, .target = { 0, 0, 9 }, .up = { 0, 1, 0 },
-                        .vertical_fov = 1 };
-    const Camera away = { .eye = { 0, 0, 5 }, .target = { 50, 0, 5 }, .up = { 0, 0, 1 },
-                          .vertical_fov = 1 };
-    RenderOptions o = { .width = 2, .height = 2, .samples = 4, .background = { 0.25, 0.5, 1 } };
-    Image *a = picture(&p, &down, o), *b = picture(&p, &up, o), *c = picture(&p, &away, o);
-    assert_true(fabs(a->radiance[0] - 1.6) < 1e-6);
-    assert_true(fabs(b->radiance[0] - 1.8) < 1e-6);
-    assert_true(c->radiance[0] == 0.25F && c->radiance[2] == 1 && isinf(c->depth[0]));
-    assert_true(c->patch[0] == PATCH_NONE && c->irradiance[0] == 0);
-    image_destroy(a);
-    image_destroy(b);
-    image_destroy(c);
-    o.diffuse_only = true;
-    a = picture(&p, &down, o);
-    assert_true(a->radiance[0] == 0);
-    image_destroy(a);
-    place_clear(&p);
-}
-
-/* A lobe of exponent e and colour s, seen where it mirrors a light of intensity I at distance d at
- * cosine c: s (e + 2) / 2 pi c I / d^2. Seen straight from above in a room of lamps of radiance L:
- * s L, for (e + 2) / 2 pi times cos^(e + 1) over the hemisphere is 1. */
-static void gloss_of_lights_and_lamps(void **state)
-{
-    (void)state;
-    Place    p = { 0 }, q = { 0 };
-    Material gloss = material_default();
-    uint32_t m;
-    gloss.reflectance = rgb(0, 0, 0);
-    gloss.specular = rgb(0.5, 0.25, 0.5);
-    gloss.exponent = 20;
-    assert_true(polygons_add_material(&p.soup, &gloss, &m, &p.err));
-    p.light[0] = (Light){ .kind = LIGHT_POINT, .position = { -2, 0, 2 }, .intensity = { 8, 8, 8 } };
-    p.light_count = 1;
-    add_quad(&p, vec3(-5, -5, 0), vec3(10, 0, 0), vec3(0, 10, 0), m);
-    place_finish(&p, 3, 30);
-    const Camera  slant = { .eye = { 2, 0, 2 }, .up = { 0, 0, 1 }, .vertical_fov = 0.01 };
-    const Camera  down = { .eye = { 0.5, 0.5, 0.9 }, .target = { 0.5, 0.5, 0 }, .up = { 0, 1, 0 },
-                           .vertical_fov = 0.01 };
-    RenderOptions o = { .width = 1, .height = 1, .samples = 4096 };
-    Image        *image = picture(&p, &slant, o);
-    const double  seen = 0.5 * 22 / (2 * PI) * sqrt(0.5);
-    assert_true(fabs(image->radiance[0] - seen) < 1e-4 * seen);
-    assert_true(fabs(image->radiance[1] - seen / 2) < 1e-4 * seen);
-    image_destroy(image);
-    place_clear(&p);
-
-    assert_true(polygons_add_material(&q.soup, &gloss, &m, &q.err));
-    add_room(&q, grey(&q, 0, 2));
-    add_quad(&q, vec3(0.1, 0.1, 0.1), vec3(0.8, 0, 0), vec3(0, 0.8, 0), m);
-    place_finish(&q, 3, 60);
-    image = picture(&q, &down, o);
-    /* Balanced by both ways to a lamp no sample counts more than about twice the mean. */
-    assert_true(fabs(image->radiance[0] - 1) < 4 * 1 / sqrt(4096));
-    image_destroy(image);
-    place_clear(&q);
-}
-
 /* --- failures -------------------------------------------------------------------------------- */
 
 static bool stop_at_once(void *user)
@@ -671,8 +422,7 @@ int main(void)
         cmocka_unit_test(furnace_looks_empty),      cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(furnace_from_records),     cmocka_unit_test(wrong_records_are_told),
         cmocka_unit_test(refined_pictures),
-        cmocka_unit_test(pixels_agree_with_points), cmocka_unit_test(mirror_and_pane),
-        cmocka_unit_test(gloss_of_lights_and_lamps),
+        cmocka_unit_test(pixels_agree_with_points),
         cmocka_unit_test(stop_and_lack_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
