@@ -55,7 +55,7 @@ ok "nothing depends on it: told" grep -q 'time-unused' "$DIR/err"
 ok "out of time" exits 5 render "$lamp" --quality draft --patches 100 --rays 16 --camera fixed \
     --size 200x150 --shutter 0,0.5 --time-samples 4000 --time-limit 0.5s --progress none \
     -o "$DIR/i.exr"
-ok "it says so" grep -qE "of 4000 moments|hurried" "$DIR/err"
+ok "it says so" grep -qE "of 4000 moments|hurried|stopped while" "$DIR/err"
 
 ok "a time and a shutter" fails 2 'not both' render $box --time 1 --shutter 0,1
 ok "a shutter that does not open" fails 2 'lower first' render $box --shutter 1,1
