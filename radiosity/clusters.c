@@ -128,16 +128,29 @@ static void tell(Run *run, const Monitor *monitor)
     o->trace(o->trace_user, &step);
 }
 
-/* Spreads light over the links there are. */
-static void sweep(Run *run, double least, const Monitor *monitor)
+/* What all further sweeps would move, when this one moved `now` and the one before `before`: a
+ * geometric series, for what is left after some sweeps falls by the same share with each. */
+static double still_to_come(double now, double before)
+{
+    return now <= 0 ? 0 : now < before ? now * now / (before - now) : INFINITY;
+}
+
+/* Spreads light over the links there are, until a sweep moves less than that. The last time, until
+ * all that would follow do not move that much: of bright walls it is far more. */
+static void sweep(Run *run, double least, bool last, const Monitor *monitor)
 {
     Solution *s = run->solution;
+    double before = 0;
     for (uint32_t k = 0; k < SWEEPS_MOST; k++) {
-        s->residual = s->unshot = cluster_light_sweep(&run->light, s->radiosity, s->irradiance);
+        s->residual = cluster_light_sweep(&run->light, s->radiosity, s->irradiance);
         s->iterations++;
         cluster_light_pull(&run->light, s->radiosity);
-        if (s->residual <= least || (k >= STOPPED_SWEEPS && monitor_stop(monitor)))
+        const double left = still_to_come(s->residual, before);
+        s->unshot = fmin(left, 1);
+        if ((last ? left : s->residual) <= least ||
+            (k >= STOPPED_SWEEPS && monitor_stop(monitor)))
             break;
+        before = s->residual;
     }
 }
 
@@ -152,7 +165,7 @@ static bool run_round(Run *run, const Monitor *monitor, Error *err)
     if (!cluster_links_refine(links, oracle, &refined, err))
         return false;
     cluster_light_fill(&run->light);
-    sweep(run, SWEPT * run->links_tolerance, monitor);
+    sweep(run, SWEPT * run->links_tolerance, false, monitor);
     set_shine(run);
     run->report->rounds++;
     run->report->error = cluster_links_error(links, oracle);
@@ -302,6 +315,7 @@ Solution *clusters_solve(const Room *room, const OpenPlaces *places, const Solve
         while (run.tree.leaves > 0 && run_round(&run, monitor, err))
             ;
         if (!error_is_set(err)) {
+            sweep(&run, SWEPT * run.links_tolerance, true, monitor);
             report(&run);
             gather_last(&run, monitor, err);
         }
