@@ -110,10 +110,6 @@ $(BUILD)/obj/%.cpp.o: %.cpp $(BUILD)/options | $(BUILD)/libraries-found
 
 # A fuzz target is called by the fuzzer, which has no header.
 FUZZ_OPTIONS = $(if $(filter tests/fuzz/%,$<),-Wno-missing-prototypes)
-# With all checks in them at once clang takes minutes over the wide kernels; addresses are the ones
-# that a tree from a file could make wrong.
-FUZZ_OPTIONS += $(if $(filter fuzz,$(config)),$(if $(filter raycast/trace_avx%,$<),\
-                -fno-sanitize=undefined))
 
 .PRECIOUS: $(BUILD)/obj/%.c.o
 -include $(OBJECTS:.o=.d) $(APP_OBJECTS:.o=.d) $(BENCH_OBJECTS:.o=.d) $(TEST_OBJECTS:.o=.d)

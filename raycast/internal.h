@@ -17,6 +17,20 @@
 
 #include "raycast/bvh.h"
 
+/* Copies of a walk for each value of a constant are wanted, so inlining is not left to the
+ * compiler; but where a sanitizer's checks are in each step, that takes it minutes. Clang tells of
+ * them by a feature, which other compilers cannot be asked for. */
+#ifdef __has_feature
+#if __has_feature(address_sanitizer)
+#define RAYCAST_CHECKED 1
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(RAYCAST_CHECKED)
+#define ALWAYS_INLINE static inline
+#else
+#define ALWAYS_INLINE static inline __attribute__((always_inline))
+#endif
+
 #define NODE_WIDTH 8u
 #define GROUP_WIDTH 4u
 #define LEAF_GROUPS_MAX 8u

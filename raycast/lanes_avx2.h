@@ -13,7 +13,7 @@ typedef __m256  Floats;
 typedef __m256d Doubles; /* half of the lanes */
 typedef __m256i Words;
 
-#define LANES_INLINE static inline __attribute__((always_inline))
+#define LANES_INLINE ALWAYS_INLINE
 
 /* All bits of the lanes in `mask`. */
 LANES_INLINE Floats floats_mask(unsigned mask)

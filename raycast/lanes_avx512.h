@@ -13,7 +13,7 @@ typedef __m512  Floats;
 typedef __m512d Doubles; /* half of the lanes */
 typedef __m512i Words;
 
-#define LANES_INLINE static inline __attribute__((always_inline))
+#define LANES_INLINE ALWAYS_INLINE
 
 LANES_INLINE Floats floats_all(float x) { return _mm512_set1_ps(x); }
 LANES_INLINE Floats floats_load(const float *p) { return _mm512_load_ps(p); }

@@ -13,9 +13,6 @@
  */
 #include "raycast/probe.h"
 
-/* Copies for both values of `any` are wanted, so inlining is not left to the compiler. */
-#define ALWAYS_INLINE static inline __attribute__((always_inline))
-
 ALWAYS_INLINE bool leaf_trace(const Bvh *bvh, const Ray *ray, const Probe *p, uint32_t leaf,
                               bool any, Best *best)
 {
