@@ -41,17 +41,9 @@ ok "not for bench" fails 2 'for render' bench $shapes --camera all
 # Broken off in the second picture, once that is told of. The error is out of reach: exit code 4.
 some=(--quality draft --patches 300 --rays 16 --size 48x36 --progress none --camera all)
 ok "unbroken" exits 4 render $shapes "${some[@]}" -o "$DIR/c-{camera}.exr" --error 0.4%
-"$ISOLUX" render $shapes "${some[@]}" --error 0.4% -o "$DIR/d-{camera}.exr" --checkpoint 1h \
-    --progress plain 2>"$DIR/err" &
-pid=$!
-for ((k = 0; k < 4000; k++)); do
-    grep -q '2 of 2' "$DIR/err" && break
-    sleep 0.005
-done
-kill -s TERM $pid
-wait $pid 2>/dev/null
-code=$?
-ok "broken off" test $code = 5
+interrupted TERM "grep -q '2 of 2' '$DIR/err'" render $shapes "${some[@]}" --error 0.4% \
+    -o "$DIR/d-{camera}.exr" --checkpoint 1h --progress plain
+ok "broken off" test "$CODE" = 5
 first=$(stat -c %Y.%i "$DIR/d-SCREEN.exr")
 ok "resumed" exits 4 render $shapes "${some[@]}" --error 0.4% -o "$DIR/d-{camera}.exr" \
     --resume "$DIR/d-{camera}.exr.checkpoint"

@@ -4,24 +4,17 @@
 . "$(dirname "$0")/tap.inc"
 make_cube "$DIR"
 cube=$DIR/cube.obj
-some=(--patches 2000 --rays 64 --progress none --threads 2)
+some=(--patches "$(sized 2000 800)" --rays 64 --progress none --threads 2)
 view=(--eye 0.5,0.05,0.4 --target 0.5,1,0.5 --up 0,0,1 --size 40x30 --spp 64)
 mark=$DIR/b.ply.checkpoint
+# Long enough to be broken off.
+many=$(sized 1024 256)
 
-# Whatever the machine's speed, a signal at the first checkpoint comes before the end.
-broken() { # SIGNAL ARGUMENTS...: sends it once there is a checkpoint; CODE
-    local name=$1 file=$2 pid
+broken() { # SIGNAL FILE ARGUMENTS...: ends it at its first checkpoint; CODE
+    local name=$1 file=$2
     shift 2
     rm -f "$file.checkpoint"
-    "$ISOLUX" "$@" -o "$file" --checkpoint 0 2>"$DIR/err" &
-    pid=$!
-    for ((k = 0; k < 2000; k++)); do
-        [ -e "$file.checkpoint" ] && break
-        sleep 0.005
-    done
-    kill -s "$name" "$pid"
-    wait "$pid" 2>/dev/null
-    CODE=$?
+    interrupted "$name" "[ -e '$file.checkpoint' ]" "$@" -o "$file" --checkpoint 0
 }
 
 ok "unbroken" exits 0 solve "$cube" -o "$DIR/a.ply" "${some[@]}"
@@ -29,17 +22,17 @@ ok "the same with checkpoints" exits 0 solve "$cube" -o "$DIR/c.ply" "${some[@]}
 ok "same bytes with checkpoints" cmp "$DIR/a.ply" "$DIR/c.ply"
 ok "no checkpoint is left behind" test ! -e "$DIR/c.ply.checkpoint"
 for name in INT TERM KILL; do
-    broken "$name" "$DIR/b.ply" solve "$cube" "${some[@]}" --rays 1024
+    broken "$name" "$DIR/b.ply" solve "$cube" "${some[@]}" --rays $many
     ok "$name: exit code" test "$CODE" = "$([ "$name" = KILL ] && echo 137 || echo 5)"
     ok "$name: a checkpoint is there" test -s "$mark"
 done
-ok "unbroken, more rays" exits 0 solve "$cube" -o "$DIR/a.ply" "${some[@]}" --rays 1024
+ok "unbroken, more rays" exits 0 solve "$cube" -o "$DIR/a.ply" "${some[@]}" --rays $many
 cp "$mark" "$DIR/kept"
-ok "resumed" exits 0 solve "$cube" -o "$DIR/b.ply" "${some[@]}" --rays 1024 --resume "$mark" \
+ok "resumed" exits 0 solve "$cube" -o "$DIR/b.ply" "${some[@]}" --rays $many --resume "$mark" \
     --json "$DIR/b.json"
 ok "resumed: same bytes" cmp "$DIR/a.ply" "$DIR/b.ply"
 ok "what is resumed from stays" cmp "$mark" "$DIR/kept"
-ok "another number of threads" exits 0 solve "$cube" -o "$DIR/b.ply" "${some[@]}" --rays 1024 \
+ok "another number of threads" exits 0 solve "$cube" -o "$DIR/b.ply" "${some[@]}" --rays $many \
     --resume "$mark" --threads 1
 ok "another number of threads: same bytes" cmp "$DIR/a.ply" "$DIR/b.ply"
 ok "other options" fails 3 'b.ply.checkpoint: was made from another scene' solve "$cube" \
@@ -48,12 +41,12 @@ ok "no file" fails 3 'none: cannot be read' solve "$cube" "${some[@]}" --resume 
 ok "no checkpoint" fails 3 'cube.obj: is no checkpoint' solve "$cube" "${some[@]}" --resume "$cube"
 head -c 5000 "$mark" >"$DIR/cut"
 ok "a cut checkpoint" fails 3 'cut: is a damaged checkpoint' solve "$cube" "${some[@]}" \
-    --rays 1024 --resume "$DIR/cut"
+    --rays $many --resume "$DIR/cut"
 ok "a full disk" bash -c "ulimit -f 16; '$ISOLUX' solve '$cube' -o '$DIR/b.ply' ${some[*]} \
-    --rays 1024 --resume '$mark' --checkpoint 0 2>'$DIR/err'; [ \$? = 1 ]"
+    --rays $many --resume '$mark' --checkpoint 0 2>'$DIR/err'; [ \$? = 1 ]"
 ok "a full disk is told in one line" test "$(wc -l <"$DIR/err")" = 1
 ok "a full disk: the old checkpoint stays" cmp "$mark" "$DIR/kept"
-ok "resumed and saved on" exits 0 solve "$cube" -o "$DIR/b.ply" "${some[@]}" --rays 1024 \
+ok "resumed and saved on" exits 0 solve "$cube" -o "$DIR/b.ply" "${some[@]}" --rays $many \
     --resume "$mark" --checkpoint 0.1s
 ok "saved on: same bytes" cmp "$DIR/a.ply" "$DIR/b.ply"
 ok "then it is taken away" test ! -e "$mark"

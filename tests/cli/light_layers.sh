@@ -53,19 +53,12 @@ ok "not of paths" fails 2 'is of a solution' render $lights --light-groups --ren
 
 # Broken off in the picture, whose checkpoint holds the groups; records would make it too quick.
 for change in '--set ceiling.emission=*0.5' '--set plate.emission=2'; do
-    some=("${fast[@]}" "${view[@]}" --light-groups $change --record-rays 0 --error 1% \
-        --spp 65536)
+    some=("${fast[@]}" "${view[@]}" --light-groups $change --record-rays 0 \
+        --error "$(sized 1% 4%)" --spp 65536)
     ok "unbroken" exits 0 render "$DIR/cube.obj" "${some[@]}" -o "$DIR/h.exr"
-    "$ISOLUX" render "$DIR/cube.obj" "${some[@]}" -o "$DIR/i.exr" --checkpoint 1h \
-        --progress plain 2>"$DIR/err" &
-    pid=$!
-    for ((k = 0; k < 4000; k++)); do
-        grep -q gather "$DIR/err" && break
-        sleep 0.005
-    done
-    kill -s TERM $pid
-    wait $pid 2>/dev/null
-    ok "broken off" test $? = 5
+    interrupted TERM "grep -q gather '$DIR/err'" render "$DIR/cube.obj" "${some[@]}" \
+        -o "$DIR/i.exr" --checkpoint 1h --progress plain
+    ok "broken off" test "$CODE" = 5
     ok "resumed" exits 0 render "$DIR/cube.obj" "${some[@]}" -o "$DIR/i.exr" \
         --resume "$DIR/i.exr.checkpoint"
     ok "resumed: same bytes" same "$DIR/h.exr" "$DIR/i.exr"
