@@ -4,9 +4,10 @@
 
 #include <assert.h>
 
-#include "app/progress.h"
-#include "app/trace.h"
 #include "app/commands.h"
+#include "app/progress.h"
+#include "app/saving.h"
+#include "app/trace.h"
 #include "base/array.h"
 #include "render/seen.h"
 
@@ -14,11 +15,13 @@
  * and fewer leave links more uncertain than gathering makes up for. */
 enum { LINK_SHARE = 2 };
 
-/* What links may take of --max-memory, less what is in use. */
-static uint64_t memory_left(const Session *session)
+/* What links may take of --max-memory, less what is in use. They are sorted from one copy into
+ * another; what is kept of them for a checkpoint is a third one. */
+static uint64_t memory_left(const Session *session, bool kept)
 {
     const uint64_t limit = session->options.max_memory, used = progress_peak_bytes();
-    return limit == 0 ? 0 : limit > used ? limit - used : 1;
+    const uint64_t left = limit > used ? limit - used : 1;
+    return limit == 0 ? 0 : kept ? left / 3 * 2 + 1 : left;
 }
 
 /* What of its picture each patch takes up, of all cameras together; NULL: it was not asked for, or
@@ -48,16 +51,19 @@ bool pipeline_clusters_solve(Pipeline *pipeline, Error *err)
         return false;
     double *seen = what_is_seen(pipeline, err);
     const bool given = options_given(&session->options, OPTION_TOLERANCE);
+    ClustersKept *kept = saving_clusters(pipeline->saving);
     const ClustersOptions options = { .tolerance = given ? settings->tolerance : 0,
                                       .rays = LINK_SHARE * settings->rays, .seen = seen,
                                       .gather = session->options.no_last_gather ? 0
                                                                                 : settings->rays,
                                       .sights = settings->lamp_rays, .seed = settings->seed,
                                       .threads = settings->threads,
-                                      .memory = memory_left(session), .trace_user = &trace,
+                                      .trace_user = &trace,
+                                      .memory = memory_left(session, kept != NULL), .kept = kept,
                                       .trace = trace.file != NULL ? trace_step : NULL };
     pipeline->solution = clusters_solve(&pipeline->room, &pipeline->places, &pipeline->problem,
                                         &options, &pipeline->clusters, &session->monitor, err);
+    saving_tick(pipeline->saving); /* where the last round was, when it was asked to stop */
     array_free(seen);
     return trace_finish(&trace, err) && pipeline->solution != NULL;
 }

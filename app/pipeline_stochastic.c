@@ -21,9 +21,6 @@ static const OptionId needs_links[] = {
     OPTION_SET, OPTION_CHANGES, OPTION_LIGHT_GROUPS, OPTION_MAX_ITERATIONS
 };
 
-/* What the solver over clusters does not do yet. */
-static const OptionId saves[] = { OPTION_CHECKPOINT, OPTION_RESUME };
-
 void pipeline_stochastic_choose(Pipeline *pipeline, uint32_t patches)
 {
     Session *session = pipeline->session;
@@ -61,9 +58,6 @@ bool pipeline_stochastic_places(Pipeline *pipeline, Error *err)
         if (options_given(&session->options, needs_links[k]) &&
             !(session->settings.clusters && needs_links[k] == OPTION_LAMP_RAYS))
             return refuse(session, needs_links[k], err);
-    for (int k = 0; k < 2 && session->settings.clusters; k++)
-        if (options_given(&session->options, saves[k]))
-            return refuse(session, saves[k], err);
     pipeline_begin(pipeline, STAGE_FACTORS);
     if (!saving_resume(pipeline->saving, err))
         return false;

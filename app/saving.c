@@ -17,7 +17,7 @@
 _Static_assert((int)ADAPT_PASSES <= (int)CHECKPOINT_PASSES, "all passes can be told");
 
 /* The caller's parts of a checkpoint: the last is tiles of a picture once there is a solution, and
- * rounds of the stochastic solver before. */
+ * what solvers without links of patches have before. */
 enum { PART_NOTE, PART_TILES, PART_LIGHT = PART_TILES };
 
 /* What reports say, kept beside the data itself. */
@@ -29,6 +29,7 @@ typedef struct {
     double      factors_seconds, closure_seconds, rounding;
     uint32_t    view, unused; /* pictures that are finished and written */
     StochasticReport stochastic;
+    ClustersReport   clusters;
 } Note;
 
 /* --- what the run is made from ---------------------------------------------------------------- */
@@ -44,6 +45,9 @@ static uint64_t hash_text(const Session *session, uint64_t key)
         return key;
     fprintf(stream, "isolux %s %s\n", ISOLUX_VERSION, command_name(session->options.command));
     quality_print(stream, &session->options, &settings);
+    /* What is not among settings, of solvers without links. */
+    fprintf(stream, "%d %d %d\n", options_given(&session->options, OPTION_TOLERANCE),
+            session->options.importance, session->options.no_last_gather);
     fclose(stream);
     key = file_hash(text, size, key);
     free(text);
@@ -107,7 +111,7 @@ static bool add_note(const Saving *s, Checkpoint *c, Error *err)
                     .raw = p->raw, .report = p->report, .change = p->change,
                     .factors_seconds = p->factors_seconds,
                     .closure_seconds = p->closure_seconds, .rounding = p->rounding,
-                    .view = s->view, .stochastic = p->stochastic };
+                    .view = s->view, .stochastic = p->stochastic, .clusters = p->clusters };
     c->part[PART_NOTE] = bytes;
     c->size[PART_NOTE] = sizeof note + size;
     if (bytes != NULL) {
@@ -152,9 +156,11 @@ static bool save(Saving *s, Error *err)
         c.links = &bare;
         c.solution = p->solution;
     }
-    const bool light = s->state == SAVING_ROWS && s->light != NULL; /* lent, not made */
+    const bool light = s->state == SAVING_ROWS; /* lent, not made */
     if (light)
-        c.part[PART_LIGHT] = stochastic_kept_bytes(s->light, &c.size[PART_LIGHT]);
+        c.part[PART_LIGHT] = p->session->settings.clusters
+                                 ? clusters_kept_bytes(s->clusters, &c.size[PART_LIGHT])
+                                 : stochastic_kept_bytes(s->light, &c.size[PART_LIGHT]);
     const bool saved = checkpoint_save(&c, s->path, err);
     array_free(c.part[PART_NOTE]);
     array_free(light ? NULL : c.part[PART_TILES]);
@@ -230,6 +236,22 @@ static bool take_passes(Saving *s, const Note *note, Error *err)
     return true;
 }
 
+/* What a solver without links of patches has so far. */
+static bool take_light(Saving *s)
+{
+    Checkpoint *c = &s->loaded;
+    const uint32_t count = s->pipeline->patches->count;
+    const size_t size = c->size[PART_LIGHT];
+    void *bytes = c->part[PART_LIGHT];
+    StochasticKept *light = saving_light(s);
+    ClustersKept *clusters = saving_clusters(s);
+    if (light == NULL && clusters == NULL)
+        return false;
+    c->part[PART_LIGHT] = NULL; /* theirs from now on */
+    return clusters != NULL ? clusters_kept_load(clusters, bytes, size, count)
+                            : stochastic_kept_load(light, bytes, size, count);
+}
+
 static bool take_links(Saving *s, const Note *note, Error *err)
 {
     Checkpoint *c = &s->loaded;
@@ -251,6 +273,7 @@ static bool take_links(Saving *s, const Note *note, Error *err)
     p->rounding = note->rounding;
     s->views_before = note->view;
     p->stochastic = note->stochastic;
+    p->clusters = note->clusters;
     if (c->size[PART_NOTE] > sizeof *note) {
         const unsigned char *groups = (const unsigned char *)c->part[PART_NOTE] + sizeof *note;
         p->relit.groups = light_groups_unpack(groups, c->size[PART_NOTE] - sizeof *note, count,
@@ -263,13 +286,8 @@ static bool take_links(Saving *s, const Note *note, Error *err)
         s->rows = c->rows;
         c->rows = NULL;
     }
-    if (note->state == SAVING_ROWS && c->part[PART_LIGHT] != NULL) {
-        StochasticKept *light = saving_light(s);
-        void *bytes = c->part[PART_LIGHT];
-        c->part[PART_LIGHT] = light != NULL ? NULL : bytes;
-        if (light == NULL || !stochastic_kept_load(light, bytes, c->size[PART_LIGHT], count))
-            return refuse(s, "holds light that cannot be", err);
-    }
+    if (note->state == SAVING_ROWS && c->part[PART_LIGHT] != NULL && !take_light(s))
+        return refuse(s, "holds light that cannot be", err);
     if (c->part[PART_TILES] != NULL &&
         !kept_tiles_unpack(s->tiles, c->part[PART_TILES], c->size[PART_TILES]))
         return refuse(s, "holds a picture that cannot be", err);
@@ -315,7 +333,13 @@ KeptRows *saving_rows(Saving *s)
 
 StochasticKept *saving_light(Saving *s)
 {
-    return s != NULL && s->pipeline->session->settings.stochastic ? s->light : NULL;
+    const Settings *settings = s != NULL ? &s->pipeline->session->settings : NULL;
+    return s != NULL && settings->stochastic && !settings->clusters ? s->light : NULL;
+}
+
+ClustersKept *saving_clusters(Saving *s)
+{
+    return s != NULL && s->pipeline->session->settings.clusters ? s->clusters : NULL;
 }
 
 void saving_view(Saving *s, uint32_t view)
@@ -398,6 +422,7 @@ bool saving_begin(Saving *s, Pipeline *pipeline, Error *err)
     s->rows = kept_rows_create(err);
     s->tiles = kept_tiles_create(err);
     s->light = stochastic_kept_create(err);
+    s->clusters = clusters_kept_create(err);
     return !error_is_set(err);
 }
 
@@ -413,4 +438,5 @@ void saving_end(Saving *s, bool finished)
     kept_rows_destroy(s->rows);
     kept_tiles_destroy(s->tiles);
     stochastic_kept_destroy(s->light);
+    clusters_kept_destroy(s->clusters);
 }

@@ -2,7 +2,7 @@
 /* app/saving.h -- a run saved from time to time, and taken up again (--checkpoint, --resume).
  *
  * What is saved depends on how far the run is: rows of the first cast, or what the stochastic
- * solver gathered in rounds; links as cast, how patches
+ * solver gathered in rounds, or links between clusters; links as cast, how patches
  * were divided, rows of the parts being cast; the solution, how many pictures are finished, and
  * finished tiles of the next. All else is made again, and comes out the same. Saving happens
  * between chunks of work, in the thread that reports progress; others work on meanwhile.
@@ -35,6 +35,7 @@ typedef struct Saving {
     KeptRows   *rows;
     KeptTiles  *tiles;
     StochasticKept *light;
+    ClustersKept *clusters;
     uint32_t    view;         /* picture under way: those before it are finished and written */
     uint32_t    views_before; /* the same of the run that is resumed */
     Error       error;        /* why nothing could be saved */
@@ -61,8 +62,9 @@ KeptRows *saving_rows(Saving *saving);
 void saving_view(Saving *saving, uint32_t view);
 /* How many pictures an earlier run had finished and written. */
 uint32_t saving_views_before(const Saving *saving);
-/* For the stochastic solver. */
+/* For the stochastic solver, and for that over clusters; NULL: it is not the one that runs. */
 StochasticKept *saving_light(Saving *saving);
+ClustersKept *saving_clusters(Saving *saving);
 /* For the picture. */
 KeptTiles *saving_tiles(Saving *saving);
 /* Patches that the pass under way divides [patches->count]: copied. */

@@ -116,7 +116,7 @@ static void tell(Run *run, const Monitor *monitor)
     const double squared = run->links_tolerance / fmax(run->report->error, run->links_tolerance);
     const double spent = (double)run->links.rays / (double)run->links.most_rays;
     const Progress progress = { .stage = "solve", .done = fmin(1, fmax(squared * squared, spent)),
-                                .energy_left = -1, .rays = run->links.rays };
+                                .energy_left = run->solution->unshot, .rays = run->links.rays };
     monitor_progress(monitor, &progress);
     if (o->trace == NULL)
         return;
@@ -169,7 +169,6 @@ static bool run_round(Run *run, const Monitor *monitor, Error *err)
     set_shine(run);
     run->report->rounds++;
     run->report->error = cluster_links_error(links, oracle);
-    tell(run, monitor);
     const double error = run->report->error, spent = ROUND_LEFT * (double)links->most_rays;
     if (error <= run->links_tolerance || links->spent || links->full || links->stopped ||
         (double)links->rays > spent)
@@ -177,6 +176,64 @@ static bool run_round(Run *run, const Monitor *monitor, Error *err)
     if ((double)refined <= FEW * (double)links->count)
         oracle->threshold *= fmin(FALL_LEAST, fmax(FALL_MOST, run->links_tolerance / error));
     return run->report->rounds < ROUNDS_MOST && luminance(run->light.sent) > 0;
+}
+
+/* --- what is kept ----------------------------------------------------------------------------- */
+
+static ClustersState state_of(Run *run)
+{
+    const bool guided = run->options->seen != NULL;
+    return (ClustersState){ &run->links, run->solution->radiosity, run->light.meaning,
+                            guided ? run->weight : NULL };
+}
+
+static bool keep(Run *run, bool ended, Error *err)
+{
+    const ClusterLinks *l = &run->links;
+    const ClustersState state = state_of(run);
+    const ClustersHead head = { .links = l->count, .rays = l->rays, .most_links = l->most_links,
+                                .largest = l->largest, .threshold = run->oracle.threshold,
+                                .error = run->report->error, .patches = run->solution->count,
+                                .nodes = run->tree.count, .rounds = run->report->rounds,
+                                .iterations = run->solution->iterations, .ended = ended,
+                                .full = l->full, .guided = state.meaning != NULL };
+    return clusters_kept_put(run->options->kept, &head, &state, err);
+}
+
+/* Goes on from what was kept; true: there are no more rounds. */
+static bool resume(Run *run, Error *err)
+{
+    const ClustersState state = state_of(run);
+    ClustersHead head;
+    if (!clusters_kept_get(run->options->kept, &head, &state, err))
+        return false;
+    run->links.rays = head.rays;
+    run->links.most_links = head.most_links;
+    run->links.largest = head.largest;
+    run->links.full = head.full != 0;
+    run->oracle.threshold = head.threshold;
+    run->report->error = head.error;
+    run->report->rounds = head.rounds;
+    run->solution->iterations = head.iterations;
+    cluster_light_pull(&run->light, run->solution->radiosity);
+    cluster_light_fill(&run->light);
+    if (state.weight == NULL)
+        set_weights(run);
+    return head.ended != 0;
+}
+
+/* All rounds. One that was broken off is not kept: it would end otherwise. */
+static bool run_rounds(Run *run, const Monitor *monitor, Error *err)
+{
+    bool more = !resume(run, err) && run->tree.leaves > 0;
+    while (more && !error_is_set(err)) {
+        more = run_round(run, monitor, err);
+        if (run->options->kept != NULL && !error_is_set(err) && !run->links.stopped &&
+            !monitor_stop(monitor))
+            keep(run, !more, err);
+        tell(run, monitor);
+    }
+    return !error_is_set(err);
 }
 
 static void start(Run *run)
@@ -312,9 +369,7 @@ Solution *clusters_solve(const Room *room, const OpenPlaces *places, const Solve
     run.solution = new_solution(room->patches->count, err);
     if (run.solution != NULL && run_create(&run, room, places, monitor, err)) {
         start(&run);
-        while (run.tree.leaves > 0 && run_round(&run, monitor, err))
-            ;
-        if (!error_is_set(err)) {
+        if (run_rounds(&run, monitor, err)) {
             sweep(&run, SWEPT * run.links_tolerance, true, monitor);
             report(&run);
             gather_last(&run, monitor, err);

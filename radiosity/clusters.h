@@ -19,6 +19,7 @@
 #ifndef RADIOSITY_CLUSTERS_H
 #define RADIOSITY_CLUSTERS_H
 
+#include "radiosity/clusters_kept.h"
 #include "radiosity/stochastic.h"
 
 typedef struct {
@@ -35,6 +36,7 @@ typedef struct {
     void   (*trace)(void *user, const SolveStep *step); /* after each round of refining: residual is
                                                             the estimated error */
     void    *trace_user;
+    ClustersKept *kept;  /* what the run goes on from, and keeps; NULL: neither */
 } ClustersOptions;
 
 typedef struct {

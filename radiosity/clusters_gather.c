@@ -9,9 +9,7 @@
 #include "base/parallel.h"
 #include "radiosity/clusters_internal.h"
 
-/* Two rows for each patch, by the halves of one net: their difference tells the noise, and more
- * than that, for together they are spread better. */
-enum { HALVES = 2, GATHER_PATCHES = 256 };
+enum { HALVES = CLUSTER_HALVES };
 
 /* Share of the mean weight, by number or area, that a patch gathers at least: more than importance
  * leaves to all by their areas. */
@@ -26,7 +24,13 @@ typedef struct {
     RowTile      *tile;      /* [threads] */
     double       *came[HALVES]; /* [patches * ROOM_BANDS]  irradiance */
     float        *escape;    /* [patches]  of both rows, their sum */
+    atomic_uint  *done;      /* [chunks]  rays it took, once it is finished */
 } LastGather;
+
+static uint32_t chunk_count(uint32_t patches)
+{
+    return patches / CLUSTER_GATHER_CHUNK + (patches % CLUSTER_GATHER_CHUNK > 0);
+}
 
 /* A row made whole: what is known of lamps stays, all else fills what is left. */
 static void gather_row(const LastGather *last, const RowCast *row, double *out)
@@ -50,6 +54,10 @@ static void gather_chunk(void *context, uint32_t begin, uint32_t end, unsigned w
     const ClusterLinks *links = last->links;
     const Room *room = links->shooter.room;
     RowTile *tile = &last->tile[worker];
+    atomic_uint *done = &last->done[begin / CLUSTER_GATHER_CHUNK];
+    const uint64_t before = tile->cast;
+    if (atomic_load_explicit(done, memory_order_relaxed) > 0)
+        return; /* by an earlier run */
     for (uint32_t first = begin; first < end; first += tile->most) {
         const uint32_t count = end - first < tile->most ? end - first : tile->most;
         const uint32_t *patch = &last->patch[first];
@@ -64,6 +72,8 @@ static void gather_chunk(void *context, uint32_t begin, uint32_t end, unsigned w
             }
         }
     }
+    const uint64_t cast = tile->cast - before;
+    atomic_store_explicit(done, cast > 0 ? (unsigned)cast : 1, memory_order_release);
 }
 
 static double luminance(const double *v)
@@ -181,11 +191,29 @@ static bool create(LastGather *last, const ClustersOptions *options, Error *err)
     last->patch = array_create(room->patches->count, sizeof *last->patch, what, err);
     last->escape = array_create(room->patches->count, sizeof *last->escape, what, err);
     last->tile = array_create(links->threads, sizeof *last->tile, what, err);
+    last->done = array_create(chunk_count(room->patches->count), sizeof *last->done, what, err);
     for (unsigned k = 0; k < HALVES; k++)
         last->came[k] = array_create(n, sizeof *last->came[k], what, err);
     for (unsigned k = 0; k < links->threads && !error_is_set(err); k++)
         row_tile_create(&last->tile[k], rays, sights, err);
     return !error_is_set(err);
+}
+
+/* Gathers, and keeps what is finished where that is wanted; false: it was stopped, or failed. */
+static bool gather_all(LastGather *last, ClustersKept *kept, const Monitor *monitor, double left,
+                       ClustersReport *report, Error *err)
+{
+    const Progress progress = { .stage = "solve", .energy_left = left };
+    const ClustersGathered gathered = { { last->came[0], last->came[1] }, last->escape,
+                                        last->patch, last->patches, last->done };
+    if (kept != NULL && !clusters_kept_gather(kept, &gathered, err))
+        return false;
+    const bool all = parallel_for(last->patches, CLUSTER_GATHER_CHUNK, last->links->threads,
+                                  gather_chunk, last, monitor, &progress);
+    clusters_kept_gathered(kept);
+    for (uint32_t k = 0; k < chunk_count(last->patches); k++)
+        report->gather_rays += atomic_load_explicit(&last->done[k], memory_order_relaxed);
+    return all;
 }
 
 bool clusters_gather(const ClusterLinks *links, const SolveProblem *problem,
@@ -194,16 +222,13 @@ bool clusters_gather(const ClusterLinks *links, const SolveProblem *problem,
 {
     assert(options->gather > 0 && solution->count == links->shooter.room->patches->count);
     LastGather last = { .links = links, .radiosity = solution->radiosity };
-    const Progress progress = { .stage = "solve", .energy_left = -1 };
     if (create(&last, options, err)) {
         choose(&last, weight, problem, solution);
         report->gathered_patches = last.patches;
-        report->gathered = parallel_for(last.patches, GATHER_PATCHES, links->threads,
-                                        gather_chunk, &last, monitor, &progress);
+        report->gathered = gather_all(&last, options->kept, monitor, solution->unshot, report,
+                                      err);
         if (report->gathered && even_out(&last, report, err))
             report->noise = take(&last, problem, solution, report);
-        for (unsigned k = 0; k < links->threads; k++)
-            report->gather_rays += last.tile[k].cast;
     }
     for (unsigned k = 0; k < links->threads && last.tile != NULL; k++)
         row_tile_clear(&last.tile[k]);
@@ -212,6 +237,7 @@ bool clusters_gather(const ClusterLinks *links, const SolveProblem *problem,
         array_free(last.came[k]);
     array_free(last.patch);
     array_free(last.escape);
+    array_free(last.done);
     lamp_table_clear(&last.lamps);
     return !error_is_set(err);
 }

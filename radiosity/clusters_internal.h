@@ -3,6 +3,8 @@
 #ifndef RADIOSITY_CLUSTERS_INTERNAL_H
 #define RADIOSITY_CLUSTERS_INTERNAL_H
 
+#include <stdatomic.h>
+
 #include "radiosity/clusters.h"
 #include "radiosity/stochastic_internal.h"
 
@@ -79,6 +81,9 @@ void cluster_links_clear(ClusterLinks *links);
  * there were gave way. */
 bool cluster_links_refine(ClusterLinks *links, const ClusterOracle *oracle, uint64_t *refined,
                           Error *err);
+/* Takes `count` links, as bytes, for those there are: they lie in order.
+ * fails  false; ERROR_MEMORY. */
+bool cluster_links_set(ClusterLinks *links, const unsigned char *bytes, size_t count, Error *err);
 /* Root of the sum over links of (light * error)^2 * weight. */
 double cluster_links_error(const ClusterLinks *links, const ClusterOracle *oracle);
 
@@ -167,5 +172,49 @@ void cluster_light_escaped(const ClusterLight *light, const double *radiosity,
 bool clusters_gather(const ClusterLinks *links, const SolveProblem *problem,
                      const ClustersOptions *options, const double *weight, Solution *solution,
                      ClustersReport *report, const Monitor *monitor, Error *err);
+
+/* --- what is kept of a run -------------------------------------------------------------------- */
+
+/* Two rows for each patch, by the halves of one net: their difference tells the noise, and more
+ * than that, for together they are spread better. */
+enum { CLUSTER_HALVES = 2, CLUSTER_GATHER_CHUNK = 256 };
+
+/* After a round. */
+typedef struct {
+    uint64_t links, rays, most_links, largest;
+    double   threshold, error;
+    uint32_t patches, nodes, rounds, iterations;
+    uint32_t ended, full, guided; /* flags: it was the last round; no more links fit; there is
+                                     importance */
+    uint32_t gathered;     /* patches of the last reflection, once it has begun */
+} ClustersHead;
+
+/* Where a run has the rest. */
+typedef struct {
+    ClusterLinks *links;
+    double *radiosity;     /* [patches * ROOM_BANDS] */
+    double *meaning;       /* [nodes * ROOM_BANDS]; NULL: without importance */
+    double *weight;        /* [nodes]  likewise */
+} ClustersState;
+
+/* The last reflection under way. */
+typedef struct {
+    double   *came[CLUSTER_HALVES]; /* [patches * ROOM_BANDS]  irradiance */
+    float    *escape;      /* [patches]  of both rows, their sum */
+    uint32_t *patch;       /* [patches]  those that gather */
+    uint32_t  patches;
+    atomic_uint *done;     /* of each chunk of them: rays it took, once it is finished */
+} ClustersGathered;
+
+bool clusters_kept_put(ClustersKept *kept, const ClustersHead *head, const ClustersState *from,
+                       Error *err);
+/* Copies back what was loaded or put; false: there is nothing, or it does not fit: *err is set. */
+bool clusters_kept_get(const ClustersKept *kept, ClustersHead *head, const ClustersState *to,
+                       Error *err);
+/* From now on finished chunks are kept as well, once the last round is; those that were loaded are
+ * copied back. */
+bool clusters_kept_gather(ClustersKept *kept, const ClustersGathered *gathered, Error *err);
+/* Until now; NULL is allowed. */
+void clusters_kept_gathered(ClustersKept *kept);
 
 #endif

@@ -191,6 +191,17 @@ static bool drain(ClusterLinks *links, const ClusterOracle *oracle, Candidate *s
 
 /* --- all links -------------------------------------------------------------------------------- */
 
+/* Where links to each node begin, once they are in order. */
+static void count_links(ClusterLinks *links)
+{
+    const uint32_t nodes = links->tree->count;
+    memset(links->first, 0, ((size_t)nodes + 1) * sizeof *links->first);
+    for (size_t k = 0; k < links->count; k++)
+        links->first[links->link[k].to + 1]++;
+    for (uint32_t n = 0; n < nodes; n++)
+        links->first[n + 1] += links->first[n];
+}
+
 /* Links in the order of the nodes they go to, others as they come. */
 static bool sort_links(ClusterLinks *links, Error *err)
 {
@@ -198,11 +209,7 @@ static bool sort_links(ClusterLinks *links, Error *err)
     ClusterLink *sorted = array_create(links->count, sizeof *sorted, what, err);
     if (sorted == NULL)
         return false;
-    memset(links->first, 0, ((size_t)nodes + 1) * sizeof *links->first);
-    for (size_t k = 0; k < links->count; k++)
-        links->first[links->link[k].to + 1]++;
-    for (uint32_t n = 0; n < nodes; n++)
-        links->first[n + 1] += links->first[n];
+    count_links(links);
     for (size_t k = 0; k < links->count; k++)
         sorted[links->first[links->link[k].to]++] = links->link[k];
     for (uint32_t n = nodes; n > 0; n--)
@@ -211,6 +218,18 @@ static bool sort_links(ClusterLinks *links, Error *err)
     array_free(links->link);
     links->link = sorted;
     links->capacity = links->count;
+    return true;
+}
+
+bool cluster_links_set(ClusterLinks *links, const unsigned char *bytes, size_t count, Error *err)
+{
+    if (count > 0 && !array_reserve((void **)&links->link, &links->capacity, count,
+                                    sizeof *links->link, what, err))
+        return false;
+    links->count = count;
+    if (count > 0)
+        memcpy(links->link, bytes, count * sizeof *links->link);
+    count_links(links);
     return true;
 }
 

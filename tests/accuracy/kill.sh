@@ -55,4 +55,6 @@ kill_runs() {
 kill_runs solve ply --rays 256 --patches 3000 || exit 1
 # Some 60 rounds; a tolerance that is not reached, which exit code 4 tells.
 kill_runs solve ply --rays 4096 --patches 3000 --solver stochastic --tolerance 1e-6 || exit 1
+# Rounds of links between clusters, and the last reflection.
+kill_runs solve ply --rays 512 --patches 3000 --solver hierarchical --tolerance 1e-4 || exit 1
 kill_runs render exr --patches 1000 --size 96x96 --spp 32 || exit 1

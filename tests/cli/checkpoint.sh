@@ -68,8 +68,6 @@ ok "rounds, time limit" exits 5 solve "$cube" -o "$DIR/b.ply" "${rounds[@]}" --r
     --checkpoint 1h --time-limit 1.5s
 ok "rounds, time limit: a checkpoint" test -s "$mark"
 ok "rounds, other rays" fails 3 'other options' solve "$cube" "${rounds[@]}" --resume "$mark"
-ok "not of clusters" fails 2 'checkpoint: not with --solver hierarchical' solve "$cube" \
-    --patches 400 --solver hierarchical --checkpoint 1h
 
 ok "a picture, unbroken" exits 0 render "$cube" -o "$DIR/a.exr" "${some[@]}" "${view[@]}"
 ok "time limit in the picture" exits 5 render "$cube" -o "$DIR/b.exr" "${some[@]}" "${view[@]}" \

@@ -45,5 +45,21 @@ ok "nor for the last gather" fails 2 'belongs to --solver hierarchical' solve "$
     --no-last-gather
 ok "no stored factors" fails 2 'not with --solver hierarchical' solve "$scene" "${fast[@]}" \
     --factors "$DIR/f"
+# Broken off where a round has ended: the same bytes. A tolerance that is not reached.
+kept=("${fast[@]}" --rays 512 --tolerance 1e-4)
+ok "unbroken" exits 4 solve "$scene" "${kept[@]}" -o "$DIR/a.ply"
+ok "saved on" exits 4 solve "$scene" "${kept[@]}" -o "$DIR/b.ply" --checkpoint 0
+ok "saved on: the same bytes" cmp -s "$DIR/a.ply" "$DIR/b.ply"
+interrupted KILL "[ -e '$DIR/b.ply.checkpoint' ]" solve "$scene" "${kept[@]}" -o "$DIR/b.ply" \
+    --checkpoint 0 --threads 1
+ok "killed: a checkpoint" test -s "$DIR/b.ply.checkpoint"
+ok "resumed" exits 4 solve "$scene" "${kept[@]}" -o "$DIR/b.ply" --resume "$DIR/b.ply.checkpoint"
+ok "resumed: the same bytes" cmp -s "$DIR/a.ply" "$DIR/b.ply"
+ok "not by another solver" fails 3 'with other options' solve "$scene" --patches 600 \
+    --solver stochastic --resume "$DIR/b.ply.checkpoint"
+ok "a time limit" exits 5 solve "$scene" "${kept[@]}" --rays 100000 --patches 20000 \
+    --tolerance 1e-9 --time-limit 1s -o "$DIR/c.ply"
+ok "leaves a solution" exits 0 compare "$DIR/c.ply" "$DIR/a.ply"
+
 ok "rays that do not do are told" exits 4 solve "$scene" "${fast[@]}" --tolerance 1e-5
 finish
