@@ -145,6 +145,8 @@ const char *bvh_isa(const Bvh *bvh)
 /* Fewer rays than this are not worth sorting. */
 #define SORT_LEAST 64u
 
+#define CACHE_LINE 64u
+
 /* --- queries --------------------------------------------------------------------------------- */
 
 bool bvh_nearest(const Bvh *bvh, const Ray *ray, Hit *hit)
@@ -161,18 +163,27 @@ bool bvh_blocked(const Bvh *bvh, const Ray *ray)
 
 /* Not cleared: that would take as long as the sorting. Without memory to sort in rays are traced as
  * they come: slower, the same answers. */
-static Sorter *sorter_create(const Bvh *bvh, size_t count)
+static Sorter *sorter_create(const Bvh *bvh, size_t count, size_t most)
 {
     Error none = { 0 };
     void *memory = NULL;
     size_t capacity = 0;
+    const size_t n = count < most ? count : most;
+    const size_t words = 2 * n + SORT_FIRST(n);
     if (bvh->kernel->keys == NULL || count < SORT_LEAST
-        || !array_reserve(&memory, &capacity, sizeof(Sorter) + _Alignof(Sorter), 1,
-                          "order of rays", &none))
+        || !array_reserve(&memory, &capacity,
+                          CACHE_LINE + n * sizeof(Ray) + words * sizeof(uint32_t) + sizeof(Sorter)
+                              + _Alignof(Sorter),
+                          1, "order of rays", &none))
         return NULL;
-    const size_t past = (uintptr_t)memory % _Alignof(Sorter);
-    Sorter *sorter = (Sorter *)(void *)((char *)memory + (_Alignof(Sorter) - past));
-    sorter->memory = memory;
+    char *at = (char *)memory + (CACHE_LINE - (uintptr_t)memory % CACHE_LINE);
+    Ray *sorted = (Ray *)(void *)at;
+    uint32_t *word = (uint32_t *)(void *)(at + n * sizeof(Ray));
+    char *rest = (char *)(word + words);
+    rest += (_Alignof(Sorter) - (uintptr_t)rest % _Alignof(Sorter)) % _Alignof(Sorter);
+    Sorter *sorter = (Sorter *)(void *)rest;
+    *sorter = (Sorter){ .memory = memory, .most = n, .ray = sorted, .key = word,
+                        .order = word + n, .first = word + 2 * n };
     return sorter;
 }
 
@@ -185,10 +196,10 @@ static void sorter_destroy(Sorter *sorter)
 void bvh_nearest_many(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count)
 {
     assert(bvh != NULL && (count == 0 || (ray != NULL && hit != NULL)));
-    Sorter *sorter = sorter_create(bvh, count);
+    const size_t most = bvh->bytes < SORT_TREE ? SORT_BLOCK : SORT_MOST;
+    Sorter *sorter = sorter_create(bvh, count, most);
     if (sorter == NULL)
         bvh->kernel->nearest_many(bvh, ray, NULL, count, hit);
-    const size_t most = bvh->bytes < SORT_TREE ? SORT_BLOCK : SORT_MOST;
     for (size_t begin = 0; sorter != NULL && begin < count; begin += most) {
         const size_t n = count - begin < most ? count - begin : most;
         rays_sort(sorter, bvh, ray + begin, n);
@@ -200,7 +211,7 @@ void bvh_nearest_many(const Bvh *bvh, const Ray *ray, Hit *hit, size_t count)
 void bvh_blocked_many(const Bvh *bvh, const Ray *ray, bool *blocked, size_t count)
 {
     assert(bvh != NULL && (count == 0 || (ray != NULL && blocked != NULL)));
-    Sorter *sorter = sorter_create(bvh, count);
+    Sorter *sorter = sorter_create(bvh, count, SORT_MOST);
     if (sorter == NULL)
         bvh->kernel->blocked_many(bvh, ray, NULL, count, blocked);
     for (size_t begin = 0; sorter != NULL && begin < count; begin += SORT_MOST) {

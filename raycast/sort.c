@@ -6,10 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Rays that a cell should get on the average over all kinds: those of a tile of patches leave by
- * half of them, and cells of less than a packet's rays would mix neighbours all the same. */
-#define CELL_RAYS 4u
-
 /* Around some of the origins: places beyond it go to the last cells. */
 #define SAMPLE_STEP 64
 
@@ -65,10 +61,11 @@ static void cells_init(Cells *cells, const Bvh *bvh, const Ray *ray, size_t coun
 
 void rays_sort(Sorter *sorter, const Bvh *bvh, const Ray *ray, size_t count)
 {
-    assert(count <= SORT_MOST && bvh->kernel->keys != NULL);
+    assert(count <= sorter->most && bvh->kernel->keys != NULL);
     cells_init(&sorter->cells, bvh, ray, count);
     const uint32_t keys = RAY_KINDS << sorter->cells.bits;
     uint32_t *first = sorter->first;
+    assert(keys < SORT_FIRST(sorter->most));
     memset(first, 0, (keys + 1) * sizeof *first);
     bvh->kernel->keys(&sorter->cells, ray, count, sorter->key);
     for (size_t i = 0; i < count; i++)

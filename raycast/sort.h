@@ -13,6 +13,9 @@
 #define CELL_DIMENSIONS 5 /* two slopes, three coordinates */
 #define CELL_LEVELS 5u    /* bits of a dimension, at most: a table fits a register */
 #define CELL_BITS_MAX 12u
+/* Rays that a cell should get on the average over all kinds: those of a tile of patches leave by
+ * half of them, and cells of less than a packet's rays would mix neighbours all the same. */
+#define CELL_RAYS 4u
 #define RAY_KINDS 24u
 
 struct Cells {
@@ -22,17 +25,22 @@ struct Cells {
     unsigned bits;
 };
 
-/* Memory for sorting up to SORT_MOST rays: `ray` are copies, ray[i] was at order[i]. */
+/* Memory for sorting up to `most` rays: `ray` are copies, ray[i] was at order[i]. */
 #define SORT_MOST BVH_BLOCK
 typedef struct {
-    _Alignas(64) Ray ray[SORT_MOST];
-    Cells    cells;
-    void    *memory; /* the block it lies in */
-    uint32_t key[SORT_MOST], order[SORT_MOST];
-    uint32_t first[(RAY_KINDS << CELL_BITS_MAX) + 1];
+    void     *memory; /* the block all of it lies in */
+    size_t    most;
+    Ray      *ray;    /* on a line of the cache, as nothing else here must be */
+    uint32_t *key, *order;
+    uint32_t *first;  /* SORT_FIRST(most) */
+    Cells     cells;
 } Sorter;
 
-/* Fills sorter->ray and sorter->order[0..count-1]; count <= SORT_MOST. */
+/* Keys, and one more. A bit more for cells needs more than CELL_RAYS rays for each: twice that many
+ * keys are never more than half of the rays, unless they are the kinds alone. */
+#define SORT_FIRST(most) ((most) / 2 + RAY_KINDS + 1)
+
+/* Fills sorter->ray and sorter->order[0..count-1]; count <= sorter->most. */
 void rays_sort(Sorter *sorter, const Bvh *bvh, const Ray *ray, size_t count);
 
 #endif
