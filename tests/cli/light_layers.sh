@@ -54,7 +54,7 @@ ok "not of paths" fails 2 'is of a solution' render $lights --light-groups --ren
 # Broken off in the picture, whose checkpoint holds the groups; records would make it too quick.
 for change in '--set ceiling.emission=*0.5' '--set plate.emission=2'; do
     some=("${fast[@]}" "${view[@]}" --light-groups $change --record-rays 0 \
-        --error "$(sized 1% 4%)" --spp 65536)
+        --error "$(sized 1% 8%)" --spp 65536)
     ok "unbroken" exits 0 render "$DIR/cube.obj" "${some[@]}" -o "$DIR/h.exr"
     interrupted TERM "grep -q gather '$DIR/err'" render "$DIR/cube.obj" "${some[@]}" \
         -o "$DIR/i.exr" --checkpoint 1h --progress plain
