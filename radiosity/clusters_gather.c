@@ -32,17 +32,19 @@ static uint32_t chunk_count(uint32_t patches)
     return patches / CLUSTER_GATHER_CHUNK + (patches % CLUSTER_GATHER_CHUNK > 0);
 }
 
-/* A row made whole: what is known of lamps stays, all else fills what is left. */
+/* A row made whole: what is known of lamps stays, all else fills what is left. Where nothing else is
+ * there, or where lamps take up more than there is, it is they who fill it. */
 static void gather_row(const LastGather *last, const RowCast *row, double *out)
 {
     double known = 0, others = 0;
     for (uint32_t k = 0; k < row->links; k++)
         *(last->lamps.probability[row->source[k]] > 0 ? &known : &others) += row->form_factor[k];
-    const double left = fmax(0, 1 - row->escape - known);
-    const double fill = others > 0 ? left / others : 0;
+    const double whole = fmax(0, 1 - row->escape);
+    const double lamps = known > 0 && (others <= 0 || known > whole) ? whole / known : 1;
+    const double fill = others > 0 ? fmax(0, whole - known) / others : 0;
     for (uint32_t k = 0; k < row->links; k++) {
         const uint32_t j = row->source[k];
-        const double f = row->form_factor[k] * (last->lamps.probability[j] > 0 ? 1 : fill);
+        const double f = row->form_factor[k] * (last->lamps.probability[j] > 0 ? lamps : fill);
         for (unsigned b = 0; b < ROOM_BANDS; b++)
             out[b] += f * last->radiosity[(size_t)j * ROOM_BANDS + b];
     }

@@ -18,6 +18,10 @@ static const double LEAST_LOOSENESS = 0.02;
 /* Rays of a node that tell what share of its view meets nothing: to 0.03 where it is half. */
 static const double ESCAPE_RAYS = 256;
 
+/* Standard errors by which halves' shares may be apart and still be taken for one share: what is
+ * farther apart lies on two sides of a wall, and would give its light to the sky. */
+static const double ESCAPES_APART = 3;
+
 /* Importance that a step still moves, of all: below, it is spread. */
 static const double LEAST_MOVED = 1e-9;
 
@@ -41,6 +45,18 @@ static double luminance(const double *v)
 
 /* --- shares that escape ----------------------------------------------------------------------- */
 
+/* Whether rays of two nodes tell one share, as far as so few can. */
+static bool escapes_alike(const ClusterLight *l, uint32_t a, uint32_t b, double each)
+{
+    const ClusterNode *node = l->links->tree->node;
+    const double rays_a = (node[a].end - node[a].begin) * each;
+    const double rays_b = (node[b].end - node[b].begin) * each;
+    const double share = (rays_a * l->escape[a] + rays_b * l->escape[b]) / (rays_a + rays_b);
+    const double apart = l->escape[a] - l->escape[b];
+    return apart * apart <= ESCAPES_APART * ESCAPES_APART * share * (1 - share) *
+                                (1 / rays_a + 1 / rays_b);
+}
+
 /* Rays of a node tell it for all below, where these have too few of their own. */
 static void find_escapes(ClusterLight *l)
 {
@@ -62,7 +78,8 @@ static void find_escapes(ClusterLight *l)
         const uint32_t fewest = c == 0 ? 0 : tree->node[c].end - tree->node[c].begin <
                                              tree->node[c + 1].end - tree->node[c + 1].begin
                                                  ? c : c + 1;
-        if (c == 0 || (tree->node[fewest].end - tree->node[fewest].begin) * each >= ESCAPE_RAYS)
+        if (c == 0 || (tree->node[fewest].end - tree->node[fewest].begin) * each >= ESCAPE_RAYS ||
+            !escapes_alike(l, c, c + 1, each))
             continue;
         for (uint32_t k = c; k < c + 2; k++) {
             l->escape[k] = l->escape[n];

@@ -90,6 +90,36 @@ static void furnace(double rho, uint32_t gather)
     room_clear(&r);
 }
 
+/* The same box shines outwards too: patches that face each other's way, some of them inside where
+ * nothing escapes and some outside where all does, share nodes of the tree. */
+static void test_shell(void **state)
+{
+    (void)state;
+    static const double tolerance = 0.01, rho = 0.9;
+    TestRoom r = { .surfaces = NULL };
+    Lit lit;
+    const uint32_t m = room_material(&r, rho, 1);
+    room_box(&r, vec3(0, 0, 0), vec3(1, 1, 1), BOX_ALL, true, m, "in-");
+    room_box(&r, vec3(0, 0, 0), vec3(1, 1, 1), BOX_ALL, false, m, "out-");
+    build(&r, 0.1, vec3(0.5, 0.5, 0.5));
+    light(&lit, &r, NULL, &(ClustersOptions){ .rays = 64, .gather = 64, .sights = 16,
+                                              .tolerance = tolerance, .threads = 2 });
+    uint32_t inside = 0;
+    for (uint32_t i = 0; i < lit.solution->count; i++) {
+        const Vec3 c = r.patches->centre[i], n = r.patches->normal[i];
+        const bool in = vec3_dot(n, vec3_sub(vec3(0.5, 0.5, 0.5), c)) > 0;
+        const double h = lit.solution->irradiance[(size_t)i * ROOM_BANDS];
+        inside += in;
+        if (in)
+            assert_true(fabs(h * (1 - rho) - 1) < tolerance);
+        else
+            assert_true(h < tolerance / (1 - rho));
+    }
+    assert_true(inside >= 600 && lit.solution->count >= 2 * inside);
+    lit_clear(&lit);
+    room_clear(&r);
+}
+
 static void test_furnace(void **state)
 {
     (void)state;
@@ -305,7 +335,7 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_furnace), cmocka_unit_test(test_received),
+        cmocka_unit_test(test_furnace), cmocka_unit_test(test_shell), cmocka_unit_test(test_received),
         cmocka_unit_test(test_plates),  cmocka_unit_test(test_adjoint),
         cmocka_unit_test(test_importance), cmocka_unit_test(test_threads),
         cmocka_unit_test(test_darkness), cmocka_unit_test(test_full),
