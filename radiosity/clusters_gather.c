@@ -32,8 +32,8 @@ static uint32_t chunk_count(uint32_t patches)
     return patches / CLUSTER_GATHER_CHUNK + (patches % CLUSTER_GATHER_CHUNK > 0);
 }
 
-/* A row made whole: what is known of lamps stays, all else fills what is left. Where nothing else is
- * there, or where lamps take up more than there is, it is they who fill it. */
+/* A row made whole: what is known of lamps stays, all else fills what is left. Where nothing else
+ * is there, or where lamps take up more than there is, it is they who fill it. */
 static void gather_row(const LastGather *last, const RowCast *row, double *out)
 {
     double known = 0, others = 0;

@@ -335,10 +335,15 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_furnace), cmocka_unit_test(test_shell), cmocka_unit_test(test_received),
-        cmocka_unit_test(test_plates),  cmocka_unit_test(test_adjoint),
-        cmocka_unit_test(test_importance), cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_darkness), cmocka_unit_test(test_full),
+        cmocka_unit_test(test_furnace),
+        cmocka_unit_test(test_shell),
+        cmocka_unit_test(test_received),
+        cmocka_unit_test(test_plates),
+        cmocka_unit_test(test_adjoint),
+        cmocka_unit_test(test_importance),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_darkness),
+        cmocka_unit_test(test_full),
         cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
