@@ -296,6 +296,7 @@ void pipeline_room(Pipeline *pipeline)
         .patches = pipeline->patches,
         .materials = pipeline->scene->polygons.materials,
         .material_count = pipeline->scene->polygons.material_count,
+        .soup = &pipeline->scene->polygons,
         .textures = &pipeline->scene->textures,
         .lights = pipeline->scene->lights,
         .light_count = pipeline->scene->light_count,

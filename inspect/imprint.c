@@ -292,6 +292,8 @@ static bool assemble(Imprinter *im)
     out->soup.position = im->points.position;
     out->soup.vertex_count = im->points.count;
     im->points.position = NULL;
+    out->soup.normal = NULL; /* asked of the original, face by face */
+    out->soup.normal_count = out->soup.normal_capacity = 0;
     out->soup.polygon_count = 0;
     out->original = from->polygon_count;
     out->face = array_create(polygons, sizeof *out->face, what, im->err);

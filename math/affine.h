@@ -40,5 +40,12 @@ static inline Vec3 affine_normal(const Affine *inverse, Vec3 n)
 {
     return vec3(vec3_dot(inverse->x, n), vec3_dot(inverse->y, n), vec3_dot(inverse->z, n));
 }
+/* The same direction without the inverse, by cofactors; 0 where the map leaves none. */
+static inline Vec3 affine_cofactor(const Affine *a, Vec3 n)
+{
+    const Vec3   x = vec3_cross(a->y, a->z), y = vec3_cross(a->z, a->x);
+    const Vec3   m = vec3_mad(vec3_mad(vec3_scale(x, n.x), n.y, y), n.z, vec3_cross(a->x, a->y));
+    return vec3_scale(m, vec3_dot(a->x, x) < 0 ? -1 : 1);
+}
 
 #endif

@@ -198,4 +198,7 @@ bool pieces_join(Pieces *pieces, const Connection *connection, const Polygons *s
 bool surfaces_emit(Surfaces *out, const Pieces *pieces, const Connection *connection,
                    Repair *repair);
 
+/* polygons_normals.c: part of polygons_check. */
+bool polygons_normals_check(const Polygons *soup);
+
 #endif

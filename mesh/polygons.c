@@ -8,6 +8,7 @@
 
 #include "base/array.h"
 #include "base/file.h"
+#include "mesh/internal.h"
 
 /* Indices are 32 bits wide, and UINT32_MAX stands for "none" in all that comes after. */
 static const size_t ITEMS_MAX = UINT32_MAX;
@@ -237,7 +238,7 @@ bool polygons_check(const Polygons *soup)
             if (soup->corner[k] >= soup->vertex_count)
                 return false;
     }
-    if (soup->polygon_count > 0 && soup->first[0] != 0)
+    if ((soup->polygon_count > 0 && soup->first[0] != 0) || !polygons_normals_check(soup))
         return false;
     for (size_t i = 0; i < soup->shape_count; i++)
         if (soup->shape[i].material >= soup->material_count ||
@@ -262,6 +263,7 @@ void polygons_clear(Polygons *soup)
     array_free(soup->position);
     array_free(soup->first);
     array_free(soup->corner);
+    array_free(soup->normal);
     array_free(soup->material);
     array_free(soup->group);
     array_free(soup->shape);

@@ -54,6 +54,9 @@ typedef struct {
     uint8_t  *contact;       /* NULL, or [first[polygon_count]]  1: another face stands on the edge
                                 from this corner to the next (inspect/imprint.h), and the faces at
                                 either side are never made one */
+    float    *normal;        /* [3 * normal_count]  unit normals by corner, as the file gives them
+                                for shading; 0 0 0: none; corners from normal_count on have none */
+    size_t    normal_count, normal_capacity;
     double    grain;         /* what positions are known to, when that is coarser than their size
                                 says: they were floats far from the origin; else 0 */
     size_t    vertex_count, polygon_count;
@@ -76,6 +79,12 @@ bool polygons_add_vertex(Polygons *soup, Vec3 p, uint32_t *index, Error *err);
 /* count >= 3 corners; corners, material and group must exist (asserted). */
 bool polygons_add_polygon(Polygons *soup, const uint32_t *corners, size_t count, uint32_t material,
                           uint32_t group, Error *err);
+/* Gives a polygon normals at its corners, of any length; those without one, as 0 0 0 and what is
+ * not finite, have none. */
+bool polygons_set_normals(Polygons *soup, uint32_t polygon, const Vec3 *normal, Error *err);
+/* Those that a polygon of as many corners has in `from`. */
+bool polygons_copy_normals(Polygons *soup, uint32_t polygon, const Polygons *from, uint32_t other,
+                           Error *err);
 bool polygons_add_shape(Polygons *soup, const Shape *shape, uint32_t material, uint32_t group,
                         Error *err);
 /* Copies *material and its name (NULL: ""). A default material: material_default(). */
@@ -93,6 +102,14 @@ bool polygons_append(Polygons *soup, const Polygons *other, const Affine *map, u
 /* Grey 0.5, nothing else. */
 Material material_default(void);
 
+/* Most corners of a polygon whose normals are used: those that bend have few, and each place costs
+ * as many steps. */
+enum { POLYGON_SHADED_MOST = 64 };
+
+/* Unit normal that the file gives a polygon at `point` in it: between its corners' linear on
+ * triangles, by mean value coordinates on others [floater03]. false: it gives none. */
+bool polygons_normal_at(const Polygons *soup, uint32_t polygon, Vec3 point, Vec3 *normal);
+
 /* How far apart two positions may be that mean one point (math/tolerance.h), of faces that reach
  * out to `largest`. */
 static inline double polygons_tolerance(const Polygons *soup, double largest)
@@ -104,7 +121,7 @@ static inline double polygons_tolerance(const Polygons *soup, double largest)
 bool polygons_bounds(const Polygons *soup, Vec3 *lo, Vec3 *hi);
 
 /* Invariants: indices in range, first[] rising by at least 3, 0 <= reflectance < 1, emission finite
- * and >= 0. */
+ * and >= 0, normals of length 1 or 0. */
 bool polygons_check(const Polygons *soup);
 
 /* Frees everything inside, leaves { 0 }. */

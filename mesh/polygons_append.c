@@ -17,7 +17,8 @@ typedef struct {
     uint32_t        material_base, material;
     uint32_t        group, *group_of; /* [other->group_count] when groups are kept */
     uint32_t       *corners;          /* scratch for one polygon */
-    size_t          corner_capacity;
+    Vec3           *normals;
+    size_t          corner_capacity, normal_capacity;
     Error          *err;
 } Append;
 
@@ -69,6 +70,22 @@ static bool vertices_copy(Append *a)
     return true;
 }
 
+/* To the polygon just added. */
+static bool normals_copy(Append *a, size_t begin, size_t count)
+{
+    if (begin + count > a->other->normal_count)
+        return true;
+    if (!array_reserve((void **)&a->normals, &a->normal_capacity, count, sizeof *a->normals,
+                       "normals", a->err))
+        return false;
+    for (size_t k = 0; k < count; k++) {
+        const float *own = a->other->normal + 3 * (begin + k);
+        a->normals[a->mirrored ? count - 1 - k : k] =
+            affine_cofactor(a->map, vec3(own[0], own[1], own[2]));
+    }
+    return polygons_set_normals(a->soup, (uint32_t)a->soup->polygon_count - 1, a->normals, a->err);
+}
+
 static bool polygons_copy(Append *a)
 {
     const Polygons *other = a->other;
@@ -82,7 +99,8 @@ static bool polygons_copy(Append *a)
             a->corners[a->mirrored ? count - 1 - k : k] =
                 a->vertex_base + other->corner[begin + k];
         if (!polygons_add_polygon(a->soup, a->corners, count, material_of(a, other->material[i]),
-                                  group_of(a, other->group[i]), a->err))
+                                  group_of(a, other->group[i]), a->err) ||
+            !normals_copy(a, begin, count))
             return false;
     }
     return true;
@@ -119,5 +137,6 @@ bool polygons_append(Polygons *soup, const Polygons *other, const Affine *map, u
                       polygons_copy(&a) && shapes_copy(&a);
     array_free(a.group_of);
     array_free(a.corners);
+    array_free(a.normals);
     return done;
 }

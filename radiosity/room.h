@@ -25,6 +25,7 @@ typedef struct {
     const Patches  *patches;        /* NULL: renderers that need no solution */
     const Material *materials;      /* [material_count] */
     size_t          material_count;
+    const Polygons *soup;           /* of the surfaces; its normals shade; NULL: none */
     const Textures *textures;       /* what Material.texture counts; NULL: none */
     const Light    *lights;         /* [light_count] */
     size_t          light_count;

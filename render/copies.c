@@ -14,6 +14,7 @@
 
 typedef struct {
     Surfaces *surfaces;
+    const Polygons *soup;  /* the scene's */
     Bvh      *bvh;
     float    *smooth;     /* render/normals.h; NULL: flat */
     bool      smoothed;   /* that has been made */
@@ -42,6 +43,7 @@ struct RoomCopies {
 static bool mesh_make(Mesh *mesh, const Polygons *soup, const SurfaceOptions *repair,
                       unsigned threads, const Monitor *monitor, Error *err)
 {
+    mesh->soup = soup;
     mesh->surfaces = surfaces_repair(soup, repair, NULL, monitor, err);
     if (mesh->surfaces == NULL)
         return false;
@@ -67,17 +69,18 @@ static bool look_make(RoomCopies *copies, const Placement *placement, Error *err
     look->emitting = array_create(count, 1, "placed meshes", err);
     if (rgb_max(material->transmittance) > 0 && !error_is_set(err))
         look->skin = mirrors_skins(mesh->surfaces, material, err);
-    if (!mesh->smoothed && !error_is_set(err))
-        mesh->smooth = normals_create(mesh->surfaces, err);
-    mesh->smoothed = true;
     if (error_is_set(err))
         return false;
     for (uint32_t i = 0; i < count && rgb_max(material->emission) > 0; i++)
         look->emitting[i] = material->emits_both ||
                             mesh->surfaces->surface[i].back != SURFACE_NONE ? 3 : 1;
-    look->room = (Room){ .surfaces = mesh->surfaces, .bvh = mesh->bvh, .materials = material,
-                         .material_count = 1, .emitting = look->emitting, .skin = look->skin };
-    return true;
+    look->room = (Room){ .surfaces = mesh->surfaces, .soup = mesh->soup, .bvh = mesh->bvh,
+                         .materials = material, .material_count = 1, .emitting = look->emitting,
+                         .skin = look->skin };
+    if (!mesh->smoothed)
+        mesh->smooth = normals_create(&look->room, err);
+    mesh->smoothed = true;
+    return !error_is_set(err);
 }
 
 /* Scenes have few meshes of few materials, and the same ones follow each other. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Normals at corners, shared across edges that are not creases. */
+/* Normals at corners: the file's, or shared across edges that are not creases. */
 #include "render/normals.h"
 
 #include <assert.h>
@@ -57,12 +57,58 @@ static Vec3 smooth_normal(const Surfaces *s, const Fans *fans, const Vec3 *flat,
     return vec3_length(sum) > 0 ? vec3_unit(sum) : flat[own];
 }
 
+/* Normals further than this from their triangle's tell of no surface that it could stand for: the
+ * corner of a cube whose sides share normals lies at 54.7 degrees, that of a tetrahedron at 70. */
+static const double GIVEN_COSINE = 0.5;
+
+/* Those of the file at a triangle's corners, 0 0 0 where there is none of use. Files wind faces one
+ * way and give normals of the other: on which side they are is the triangle's matter. */
+static void given_normals(const Room *room, uint32_t triangle, Vec3 flat, Vec3 out[3])
+{
+    const Surfaces *s = room->surfaces;
+    const bool      any = room->soup != NULL && room->soup->normal_count > 0 &&
+                          s->triangle_face != NULL;
+    Vec3            sum = { 0, 0, 0 };
+    for (unsigned k = 0; k < 3; k++) {
+        if (!any || !polygons_normal_at(room->soup, s->triangle_face[triangle],
+                                        corner_at(s, triangle, k), &out[k]))
+            out[k] = vec3(0, 0, 0);
+        sum = vec3_add(sum, out[k]);
+    }
+    const double front = vec3_dot(sum, flat) < 0 ? -1 : 1;
+    for (unsigned k = 0; k < 3; k++) {
+        out[k] = vec3_scale(out[k], front);
+        if (!(vec3_dot(out[k], flat) >= GIVEN_COSINE))
+            out[k] = vec3(0, 0, 0);
+    }
+}
+
 /* Normals that differ by less than 0.1 degrees are one: more than rounding does to flat faces, less
  * than shows. */
 static const double SAME_COSINE = 1 - 1e-6;
 
-float *normals_create(const Surfaces *s, Error *err)
+static bool fill_triangle(const Room *room, const Fans *fans, const Vec3 *flat, uint32_t triangle,
+                          float *smooth)
 {
+    Vec3 given[3];
+    bool bent = false;
+    given_normals(room, triangle, flat[triangle], given);
+    for (uint32_t k = 0; k < 3; k++) {
+        const Vec3 n = vec3_length(given[k]) > 0
+                     ? given[k] : smooth_normal(room->surfaces, fans, flat, 3 * triangle + k);
+        float     *out = smooth + 9 * (size_t)triangle + 3 * k;
+        bent = bent || vec3_dot(n, flat[triangle]) < SAME_COSINE;
+        out[0] = (float)n.x;
+        out[1] = (float)n.y;
+        out[2] = (float)n.z;
+    }
+    return bent;
+}
+
+float *normals_create(const Room *room, Error *err)
+{
+    assert(room != NULL && err != NULL);
+    const Surfaces *s = room->surfaces;
     bool   bent = false;
     Fans   fans = { 0 };
     Vec3  *flat = array_create(s->triangle_count, sizeof *flat, "normals", err);
@@ -70,13 +116,8 @@ float *normals_create(const Surfaces *s, Error *err)
     if (!error_is_set(err) && fans_init(&fans, s, err)) {
         for (uint32_t i = 0; i < s->triangle_count; i++)
             flat[i] = surfaces_normal(s, i, 0, 0);
-        for (uint32_t i = 0; i < 3 * s->triangle_count; i++) {
-            const Vec3 n = smooth_normal(s, &fans, flat, i);
-            bent = bent || vec3_dot(n, flat[i / 3]) < SAME_COSINE;
-            smooth[3 * (size_t)i] = (float)n.x;
-            smooth[3 * (size_t)i + 1] = (float)n.y;
-            smooth[3 * (size_t)i + 2] = (float)n.z;
-        }
+        for (uint32_t i = 0; i < s->triangle_count; i++)
+            bent = fill_triangle(room, &fans, flat, i, smooth) || bent;
     }
     array_free(fans.first);
     array_free(fans.corner);

@@ -14,11 +14,12 @@
 #include "radiosity/room.h"
 #include "render/lamps.h"
 
-/* [9 * triangle_count] normals at the triangles' corners: means over the triangles around the
- * vertex that lie within the crease angle, weighted by their angle there.
+/* [9 * triangle_count] normals at the corners of the room's triangles: those the file gives, where
+ * they are of any use (within 60 degrees of their triangle's, turned to its front); else means over
+ * the triangles around the vertex that lie within the crease angle, weighted by their angle there.
  * owns   the caller frees with array_free. NULL: no normal differs from its triangle's.
  * fails  NULL and ERROR_MEMORY. */
-float *normals_create(const Surfaces *surfaces, Error *err);
+float *normals_create(const Room *room, Error *err);
 
 /* Unit normal at a hit, on its side, interpolated; the true one on exact shapes, for smooth NULL,
  * and where the smooth one would be seen from behind along `in`. */

@@ -348,7 +348,7 @@ static bool picture_prepare(Picture *picture, Error *err)
     for (unsigned i = 0; i < o->threads && !error_is_set(err); i++)
         picture->wave[i] = path_wave_create(err);
     if (!error_is_set(err))
-        picture->scene.smooth = normals_create(room->surfaces, err);
+        picture->scene.smooth = normals_create(room, err);
     picture->scene.panes = is_clear(room) && !o->diffuse_only;
     return !error_is_set(err) && path_lamps_init(&picture->scene.lamps, room, err);
 }

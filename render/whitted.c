@@ -313,7 +313,7 @@ static bool picture_prepare(Picture *picture, const Camera *camera, Error *err)
         return false;
     for (size_t i = 0; i < room->material_count; i++)
         picture->clear = picture->clear || rgb_max(room->materials[i].transmittance) > 0;
-    picture->smooth = normals_create(room->surfaces, err);
+    picture->smooth = normals_create(room, err);
     camera_rays_init(&picture->camera, camera, o->width, o->height);
     camera_rays_crop(&picture->camera, picture->image->left, picture->image->top);
     filter_table_init(&picture->filter, o->filter);

@@ -25,6 +25,7 @@ static uint64_t add_polygons(const Polygons *p, uint64_t hash)
     hash = file_hash(p->position, p->vertex_count * sizeof *p->position, hash);
     hash = file_hash(p->first, p->polygon_count * sizeof *p->first, hash);
     hash = file_hash(p->corner, corners * sizeof *p->corner, hash);
+    hash = file_hash(p->normal, 3 * p->normal_count * sizeof *p->normal, hash);
     hash = file_hash(p->material, p->polygon_count * sizeof *p->material, hash);
     hash = file_hash(p->group, p->polygon_count * sizeof *p->group, hash);
     for (size_t i = 0; i < p->shape_count; i++) {

@@ -123,6 +123,9 @@ bool gltf_read_materials(const GltfContext *c, const Json *root, Gltf *gltf);
 bool gltf_read_lights(const GltfContext *c, const Json *root, Gltf *gltf);
 bool gltf_read_cameras(const GltfContext *c, const Json *root, Gltf *gltf);
 bool gltf_read_meshes(const GltfContext *c, const Json *root, Gltf *gltf);
+/* The accessor of a primitive's normals; SIZE_MAX: none that can be used, which is told. */
+size_t gltf_normals(const GltfContext *c, const Json *root, const Json *primitive,
+                    const char *where);
 bool gltf_reduce(const GltfContext *c, const Json *root, Gltf *gltf);
 
 #endif

@@ -117,6 +117,51 @@ bool gltf_read_meshes(const GltfContext *c, const Json *root, Gltf *gltf)
     return !error_is_set(c->err);
 }
 
+/* --- normals ---------------------------------------------------------------------------------- */
+
+/* Whether accessor `at` holds as many normals as accessor `positions` does positions: three floats
+ * each, all of them within their view. The importing library gives up on a file that does not. */
+static bool normals_fit(const GltfContext *c, const Json *root, size_t at, size_t positions)
+{
+    const Json *accessors = gltf_list(c, root, "", "accessors");
+    const Json *views = gltf_list(c, root, "", "bufferViews");
+    const Json *accessor = gltf_item(accessors, at);
+    const char *where = "accessors of normals";
+    const size_t vector = 3 * sizeof(float), most = UINT32_MAX;
+    const size_t view = gltf_index(c, accessor, where, "bufferView", gltf_count(views));
+    const size_t count = gltf_index(c, accessor, where, "count", most);
+    const size_t offset = gltf_index(c, accessor, where, "byteOffset", most);
+    if (error_is_set(c->err) || view == SIZE_MAX || count == SIZE_MAX || count == 0 ||
+        gltf_member(accessor, "sparse") != NULL ||
+        strcmp(gltf_word(c, accessor, where, "type", ""), "VEC3") != 0 ||
+        gltf_index(c, accessor, where, "componentType", 1 << 16) != COMPONENT_FLOAT ||
+        gltf_index(c, gltf_item(accessors, positions), where, "count", most) != count)
+        return false;
+    const Json *of = gltf_item(views, view);
+    const size_t length = gltf_index(c, of, "bufferViews", "byteLength", most);
+    const size_t given = gltf_index(c, of, "bufferViews", "byteStride", most);
+    const size_t stride = given == SIZE_MAX || given == 0 ? vector : given;
+    return length != SIZE_MAX && stride >= vector &&
+           (offset == SIZE_MAX ? 0 : offset) + (count - 1) * stride + vector <= length;
+}
+
+size_t gltf_normals(const GltfContext *c, const Json *root, const Json *primitive,
+                    const char *where)
+{
+    const size_t count = gltf_count(gltf_list(c, root, "", "accessors"));
+    const Json *attributes = gltf_member(primitive, "attributes");
+    const size_t at = gltf_index(c, attributes, where, "NORMAL", count);
+    const size_t positions = gltf_index(c, attributes, where, "POSITION", count);
+    if (error_is_set(c->err) || at == SIZE_MAX || positions == SIZE_MAX)
+        return SIZE_MAX;
+    if (normals_fit(c, root, at, positions))
+        return at;
+    if (!error_is_set(c->err))
+        monitor_warn(c->monitor, "normals-ignored", c->path, "the normals of %s are not three "
+                     "floats for each vertex: its faces are shaded by their shape", where);
+    return SIZE_MAX;
+}
+
 /* --- the whole -------------------------------------------------------------------------------- */
 
 Gltf *gltf_read(const char *path, const char *json, size_t size, const Monitor *monitor,

@@ -71,7 +71,7 @@ static void nodes_add(TextOut *out, const Gltf *gltf)
     text_add(out, "]}]");
 }
 
-static void primitive_add(const GltfContext *c, TextOut *out, const Gltf *gltf,
+static void primitive_add(const GltfContext *c, TextOut *out, const Json *root, const Gltf *gltf,
                           const Json *primitive, const char *where)
 {
     const size_t many = SIZE_MAX / 2;
@@ -80,8 +80,11 @@ static void primitive_add(const GltfContext *c, TextOut *out, const Gltf *gltf,
     const size_t mode = gltf_index(c, primitive, where, "mode", many);
     const size_t position = gltf_index(c, gltf_member(primitive, "attributes"), where, "POSITION",
                                        many);
+    const size_t normals = gltf_normals(c, root, primitive, where);
 
     text_add(out, "{\"attributes\":{\"POSITION\":%zu", position);
+    if (normals != SIZE_MAX)
+        text_add(out, ",\"NORMAL\":%zu", normals);
     static const char *const sets[] = { "TEXCOORD_0", "TEXCOORD_1" };
     for (size_t k = 0; k < sizeof sets / sizeof *sets; k++) {
         const size_t at = gltf_index(c, gltf_member(primitive, "attributes"), where, sets[k],
@@ -133,7 +136,7 @@ static void meshes_add(const GltfContext *c, TextOut *out, const Json *root, con
         for (size_t k = 0; k < gltf_count(list); k++) {
             if (k > 0)
                 text_add(out, ",");
-            primitive_add(c, out, gltf, gltf_item(list, k), where);
+            primitive_add(c, out, root, gltf, gltf_item(list, k), where);
         }
         text_add(out, "]}");
     }

@@ -88,45 +88,76 @@ static void map_corners(const ImportTarget *target, const uint32_t *corners, siz
         place[i] = target->soup->position[corners[i]];
 }
 
+static bool add_shaded(ImportTarget *target, const ImportFace *face, Error *err)
+{
+    enum { MOST = POLYGON_SHADED_MOST };
+    const size_t count = face->count;
+    Vec3 mapped[MOST];
+    if (!import_add_face(target, face->corner, count, face->material, face->group, err))
+        return false;
+    if (face->normal == NULL || count > MOST)
+        return true;
+    /* The corners of a target that is mirrored run the other way. */
+    for (size_t i = 0; i < count; i++)
+        mapped[target->mirrored ? count - 1 - i : i] = affine_cofactor(&target->map,
+                                                                       face->normal[i]);
+    return polygons_set_normals(target->soup, (uint32_t)target->soup->polygon_count - 1, mapped,
+                                err);
+}
+
 /* One face with its map; a face without a size has none. */
-static bool add_mapped(ImportTarget *target, uint32_t *corners, const double (*uv)[2],
-                       size_t count, uint32_t material, uint32_t group, double *misfit, Error *err)
+static bool add_mapped(ImportTarget *target, const ImportFace *face, Error *err)
 {
     enum { MOST = 16 };
+    const size_t polygon = target->soup->polygon_count, count = face->count;
     Vec3    few[MOST] = { 0 };
+    double  misfit = 0;
     FaceMap map = { .used = false };
     Vec3   *place = count <= MOST ? few : array_create(count, sizeof *place, "corners", err);
     if (place == NULL)
         return false;
-    map_corners(target, corners, count, place);
-    (void)face_map_fit(&map, place, uv, count, misfit);
+    map_corners(target, face->corner, count, place);
+    (void)face_map_fit(&map, place, face->uv, count, &misfit);
     if (place != few)
         array_free(place);
-    const size_t polygon = target->soup->polygon_count;
-    return import_add_face(target, corners, count, material, group, err) &&
+    return add_shaded(target, face, err) &&
            textures_set_map(&target->scene->textures, (uint32_t)polygon, &map, err);
 }
 
-bool import_add_mapped(ImportTarget *target, uint32_t *corners, const double (*uv)[2],
-                       size_t count, uint32_t material, uint32_t group, Error *err)
+/* Corners 0, k and k + 1 of a quad. */
+static bool add_half(ImportTarget *target, const ImportFace *quad, size_t k, Error *err)
 {
+    const size_t at[3] = { 0, k, k + 1 };
+    uint32_t corner[3];
+    double   uv[3][2];
+    Vec3     normal[3];
+    for (size_t i = 0; i < 3; i++) {
+        corner[i] = quad->corner[at[i]];
+        uv[i][0] = quad->uv[at[i]][0];
+        uv[i][1] = quad->uv[at[i]][1];
+        normal[i] = quad->normal != NULL ? quad->normal[at[i]] : vec3(0, 0, 0);
+    }
+    const ImportFace half = { .corner = corner, .count = 3, .material = quad->material,
+                              .group = quad->group, .uv = (const double (*)[2])uv,
+                              .normal = quad->normal != NULL ? normal : NULL };
+    return add_mapped(target, &half, err);
+}
+
+bool import_add_valued(ImportTarget *target, const ImportFace *face, Error *err)
+{
+    assert(target != NULL && face != NULL && face->corner != NULL && face->count >= 3);
     double  misfit = 0;
     Vec3    place[4];
     FaceMap map;
-    if (target->scene == NULL || &target->scene->polygons != target->soup || target->replace)
-        return import_add_face(target, corners, count, material, group, err);
-    if (count == 4) {
-        map_corners(target, corners, count, place);
-        if (face_map_fit(&map, place, uv, count, &misfit) && misfit > BENT) {
-            uint32_t first[3] = { corners[0], corners[1], corners[2] };
-            uint32_t second[3] = { corners[0], corners[2], corners[3] };
-            const double uv2[3][2] = { { uv[0][0], uv[0][1] }, { uv[2][0], uv[2][1] },
-                                       { uv[3][0], uv[3][1] } };
-            return add_mapped(target, first, uv, 3, material, group, &misfit, err) &&
-                   add_mapped(target, second, uv2, 3, material, group, &misfit, err);
-        }
+    if (face->uv == NULL || target->scene == NULL ||
+        &target->scene->polygons != target->soup || target->replace)
+        return add_shaded(target, face, err);
+    if (face->count == 4) {
+        map_corners(target, face->corner, 4, place);
+        if (face_map_fit(&map, place, face->uv, 4, &misfit) && misfit > BENT)
+            return add_half(target, face, 1, err) && add_half(target, face, 2, err);
     }
-    return add_mapped(target, corners, uv, count, material, group, &misfit, err);
+    return add_mapped(target, face, err);
 }
 
 bool import_add_group(ImportTarget *target, const char *name, uint32_t *index, Error *err)

@@ -36,10 +36,16 @@ typedef struct {
 bool import_add_vertex(ImportTarget *target, Vec3 p, uint32_t *index, Error *err);
 bool import_add_face(ImportTarget *target, uint32_t *corners, size_t count, uint32_t material,
                      uint32_t group, Error *err);
-/* The same with (u, v) of each corner in the image of its material. A quad on which they are bent
- * becomes two triangles; on larger faces they are made linear. */
-bool import_add_mapped(ImportTarget *target, uint32_t *corners, const double (*uv)[2],
-                       size_t count, uint32_t material, uint32_t group, Error *err);
+/* A face with what a file may give its corners besides their places. */
+typedef struct {
+    uint32_t   *corner;     /* [count]  may be turned round */
+    size_t      count;
+    uint32_t    material, group;
+    const double (*uv)[2];  /* [count]  in the image of the material; NULL: none */
+    const Vec3 *normal;     /* [count]  for shading, of any length, 0 0 0: none; NULL: none */
+} ImportFace;
+/* A quad on which (u, v) are bent becomes two triangles; on larger faces they are made linear. */
+bool import_add_valued(ImportTarget *target, const ImportFace *face, Error *err);
 bool import_add_group(ImportTarget *target, const char *name, uint32_t *index, Error *err);
 /* Limits the material, adds it, or answers with the one that replaces all. */
 bool import_add_material(ImportTarget *target, const Material *material, uint32_t *index,

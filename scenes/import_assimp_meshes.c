@@ -60,6 +60,12 @@ static const struct aiVector3D *places_of(const Import *import, const struct aiM
     return set > 0 && set <= AI_MAX_NUMBER_OF_TEXTURECOORDS ? mesh->mTextureCoords[set - 1] : NULL;
 }
 
+/* Normals for shading. Those of STL are its facets' own, and tell nothing else. */
+static const struct aiVector3D *normals_of(const Import *import, const struct aiMesh *mesh)
+{
+    return import->known.format == FORMAT_STL ? NULL : mesh->mNormals;
+}
+
 static bool mesh_check(Import *import, const struct aiMesh *mesh, const char *group)
 {
     return corners_check(import, mesh, group) &&
@@ -89,6 +95,14 @@ static void vertices_send(const Import *import, const struct aiMesh *mesh, const
     }
 }
 
+static void normals_send(const Import *import, const struct aiMesh *mesh, const Affine *world)
+{
+    const struct aiVector3D *n = normals_of(import, mesh);
+    for (unsigned i = 0; n != NULL && i < mesh->mNumVertices; i++)
+        pipe_put_vec3(import->out, affine_cofactor(world, vec3((double)n[i].x, (double)n[i].y,
+                                                               (double)n[i].z)));
+}
+
 static bool mesh_send(Import *import, const struct aiMesh *mesh, const Affine *world,
                       const char *group)
 {
@@ -108,7 +122,9 @@ static bool mesh_send(Import *import, const struct aiMesh *mesh, const Affine *w
     pipe_put_u32(import->out, faces);
     const struct aiVector3D *places = places_of(import, mesh);
     pipe_put_u32(import->out, places != NULL);
+    pipe_put_u32(import->out, normals_of(import, mesh) != NULL);
     vertices_send(import, mesh, world);
+    normals_send(import, mesh, world);
     for (unsigned i = 0; places != NULL && i < mesh->mNumVertices; i++)
         child_place_send(import->out, &import->place[mesh->mMaterialIndex], (double)places[i].x,
                          (double)places[i].y);
@@ -166,7 +182,9 @@ static bool place_send(Import *import, const struct aiMesh *mesh, MeshUse *use,
         pipe_put_kind(import->out, RECORD_MESH);
         pipe_put_u32(import->out, mesh->mNumVertices);
         pipe_put_u32(import->out, faces);
+        pipe_put_u32(import->out, normals_of(import, mesh) != NULL);
         vertices_send(import, mesh, &still);
+        normals_send(import, mesh, &still);
         faces_send(import, mesh, false);
         use->number = import->sent++;
     }

@@ -40,6 +40,11 @@ typedef struct {
     uint64_t        uv_seen;         /* before the current line, second pass */
     double        (*corner_uv)[2];   /* of the current face */
     size_t          corner_uv_capacity;
+    Vec3           *normal;          /* [normal_count]  of the file */
+    size_t          normal_count, normal_capacity;
+    uint64_t        normal_seen;     /* before the current line, second pass */
+    Vec3           *corner_normal;   /* of the current face */
+    size_t          corner_normal_capacity;
     char            unknown[64];     /* first statement that is not known */
 } ObjReader;
 
@@ -168,21 +173,39 @@ static bool material_index(ObjReader *r, uint32_t *index, Error *err)
 
 /* --- faces ------------------------------------------------------------------------------------ */
 
-/* The (u, v) of "7/1" or "7/1/3"; false: none, or one that is not there. */
+/* Which of `count` values of the file "7/1/3" names behind its `which`th slash; SIZE_MAX: none, or
+ * one that is not there. */
+static size_t value_named(Word word, int which, uint64_t seen, size_t count)
+{
+    const char *end = word.begin + word.length, *at = word.begin;
+    char *stop = NULL;
+    for (int k = 0; k < which && at != NULL; k++) {
+        at = memchr(at, '/', (size_t)(end - at));
+        at = at != NULL ? at + 1 : NULL;
+    }
+    if (at == NULL || at == end)
+        return SIZE_MAX;
+    const long long given = strtoll(at, &stop, 10);
+    if (stop == at || stop > end)
+        return SIZE_MAX;
+    const long long place = given > 0 ? given - 1 : (long long)seen + given;
+    return given != 0 && place >= 0 && (size_t)place < count ? (size_t)place : SIZE_MAX;
+}
+
 static bool corner_uv_read(const ObjReader *r, Word word, double uv[2])
 {
-    const char *slash = memchr(word.begin, '/', word.length);
-    char *end = NULL;
-    if (slash == NULL)
-        return false;
-    const long long given = strtoll(slash + 1, &end, 10);
-    if (end == slash + 1 || end > word.begin + word.length)
-        return false;
-    const long long at = given > 0 ? given - 1 : (long long)r->uv_seen + given;
-    if (given == 0 || at < 0 || (size_t)at >= r->uv_count)
+    const size_t at = value_named(word, 1, r->uv_seen, r->uv_count);
+    if (at == SIZE_MAX)
         return false;
     memcpy(uv, r->uv[at], sizeof r->uv[at]);
     return true;
+}
+
+/* 0 0 0 when there is none. */
+static Vec3 corner_normal_read(const ObjReader *r, Word word)
+{
+    const size_t at = value_named(word, 2, r->normal_seen, r->normal_count);
+    return at != SIZE_MAX ? r->normal[at] : vec3(0, 0, 0);
 }
 
 /* "7", "7/1", "7//3", "7/1/3" or negative: the position. */
@@ -206,6 +229,16 @@ static bool corner_read(const ObjReader *r, Word word, uint32_t *corner, Error *
     return true;
 }
 
+static bool corner_room(ObjReader *r, size_t count, Error *err)
+{
+    return array_reserve((void **)&r->corner, &r->corner_capacity, count, sizeof *r->corner,
+                         "corners of a face", err) &&
+           array_reserve((void **)&r->corner_uv, &r->corner_uv_capacity, count,
+                         sizeof *r->corner_uv, "corners of a face", err) &&
+           array_reserve((void **)&r->corner_normal, &r->corner_normal_capacity, count,
+                         sizeof *r->corner_normal, "corners of a face", err);
+}
+
 static bool face_read(ObjReader *r, const char *line, Error *err)
 {
     size_t count = 0;
@@ -213,13 +246,11 @@ static bool face_read(ObjReader *r, const char *line, Error *err)
     bool mapped = r->uv_count > 0;
 
     for (Word word; (word = text_word(&line)).length > 0; count++) {
-        if (!array_reserve((void **)&r->corner, &r->corner_capacity, count + 1, sizeof *r->corner,
-                           "corners of a face", err) ||
-            !array_reserve((void **)&r->corner_uv, &r->corner_uv_capacity, count + 1,
-                           sizeof *r->corner_uv, "corners of a face", err) ||
-            !corner_read(r, word, &r->corner[count], err))
+        if (!corner_room(r, count + 1, err) || !corner_read(r, word, &r->corner[count], err))
             return false;
         mapped = mapped && corner_uv_read(r, word, r->corner_uv[count]);
+        if (r->normal_count > 0)
+            r->corner_normal[count] = corner_normal_read(r, word);
     }
     if (count < 3) {
         r->small++;
@@ -229,15 +260,17 @@ static bool face_read(ObjReader *r, const char *line, Error *err)
         return false;
     if (!material_index(r, &material, err))
         return false;
-    if (!mapped || r->material == SIZE_MAX || r->target->replace ||
-        r->target->soup->materials[material].texture == 0)
-        return import_add_face(r->target, r->corner, count, material, r->group, err);
-    const MapImage *image = &r->library.images[r->material].colour;
-    for (size_t i = 0; i < count && image->file != NULL; i++)
+    mapped = mapped && r->material != SIZE_MAX && !r->target->replace &&
+             r->target->soup->materials[material].texture > 0;
+    const MapImage *image = mapped ? &r->library.images[r->material].colour : NULL;
+    for (size_t i = 0; mapped && i < count && image->file != NULL; i++)
         for (int k = 0; k < 2; k++)
             r->corner_uv[i][k] = r->corner_uv[i][k] * image->scale[k] + image->offset[k];
-    return import_add_mapped(r->target, r->corner, (const double (*)[2])r->corner_uv, count,
-                             material, r->group, err);
+    const ImportFace face = { .corner = r->corner, .count = count, .material = material,
+                              .group = r->group,
+                              .uv = mapped ? (const double (*)[2])r->corner_uv : NULL,
+                              .normal = r->normal_count > 0 ? r->corner_normal : NULL };
+    return import_add_valued(r->target, &face, err);
 }
 
 /* --- passes ----------------------------------------------------------------------------------- */
@@ -277,6 +310,21 @@ static bool uv_read(ObjReader *r, const char *line, Error *err)
     return true;
 }
 
+/* What is missing or no number makes it no normal. */
+static bool normal_read(ObjReader *r, const char *line, Error *err)
+{
+    double n[3] = { 0, 0, 0 };
+    bool good = true;
+
+    if (!array_reserve((void **)&r->normal, &r->normal_capacity, r->normal_count + 1,
+                       sizeof *r->normal, "normals", err))
+        return false;
+    for (int k = 0; k < 3; k++)
+        good = good && text_number(&r->text, &line, &n[k]) && isfinite(n[k]);
+    r->normal[r->normal_count++] = good ? vec3(n[0], n[1], n[2]) : vec3(0, 0, 0);
+    return true;
+}
+
 static bool vertices_read(ObjReader *r, Error *err)
 {
     char object[256] = "";
@@ -291,6 +339,8 @@ static bool vertices_read(ObjReader *r, Error *err)
             return false;
         else if (word_is(key, "vt") && !uv_read(r, line, err))
             return false;
+        else if (word_is(key, "vn") && !normal_read(r, line, err))
+            return false;
     }
     return true;
 }
@@ -298,9 +348,9 @@ static bool vertices_read(ObjReader *r, Error *err)
 /* Statements without meaning for light. */
 static bool key_ignored(Word key)
 {
-    static const char *const ignored[] = { "vn",   "vp",   "s",          "mg",
-                                           "lod",  "bevel", "c_interp", "d_interp", "maplib",
-                                           "usemap", "shadow_obj", "trace_obj" };
+    static const char *const ignored[] = { "vp",       "s",      "mg",         "lod",
+                                           "bevel",    "c_interp", "d_interp", "maplib",
+                                           "usemap",   "shadow_obj", "trace_obj" };
     for (size_t i = 0; i < sizeof ignored / sizeof *ignored; i++)
         if (word_is(key, ignored[i]))
             return true;
@@ -313,6 +363,8 @@ static bool statement_read(ObjReader *r, Word key, const char *line, Error *err)
         r->seen++;
     } else if (word_is(key, "vt")) {
         r->uv_seen++;
+    } else if (word_is(key, "vn")) {
+        r->normal_seen++;
     } else if (word_is(key, "f") || word_is(key, "fo")) {
         return face_read(r, line, err);
     } else if (word_is(key, "usemtl")) {
@@ -370,6 +422,8 @@ bool import_obj(ImportTarget *target, Error *err)
     array_free(r.corner);
     array_free(r.corner_uv);
     array_free(r.uv);
+    array_free(r.normal);
+    array_free(r.corner_normal);
     array_free(r.read);
     library_clear(&r.library);
     text_close(&r.text);

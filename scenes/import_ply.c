@@ -24,23 +24,42 @@ typedef struct {
     size_t        member_capacity;
     uint32_t     *corner;
     size_t        corner_capacity;
+    bool          shaded;           /* vertices have normals */
+    Vec3         *normal;           /* [vertices] */
+    size_t        normal_capacity;
+    Vec3         *corner_normal;
+    size_t        corner_normal_capacity;
 } PlyImport;
 
 /* --- vertices --------------------------------------------------------------------------------- */
 
-/* Which coordinate a property is: 0, 1, 2, or -1 for none. */
+/* Which coordinate a property is, of the place 0, 1, 2, of the normal 3, 4, 5; or -1 for none. */
 static int property_axis(const PlyProperty *property)
 {
-    const char c = property->name[0];
+    const char *name = property->name;
+    const bool normal = name[0] == 'n' || name[0] == 'N';
+    const char c = normal ? name[1] : name[0];
 
-    if (property->count_type != PLY_NO_TYPE || c == 0 || property->name[1] != 0)
+    if (property->count_type != PLY_NO_TYPE || c == 0 || name[normal ? 2 : 1] != 0)
         return -1;
-    return c == 'x' || c == 'X' ? 0 : c == 'y' || c == 'Y' ? 1 : c == 'z' || c == 'Z' ? 2 : -1;
+    const int axis = c == 'x' || c == 'X' ? 0 : c == 'y' || c == 'Y' ? 1
+                   : c == 'z' || c == 'Z' ? 2 : -1;
+    return axis >= 0 && normal ? axis + 3 : axis;
+}
+
+/* What is not finite is no normal. */
+static bool normal_keep(PlyImport *p, Vec3 normal, Error *err)
+{
+    if (!array_reserve((void **)&p->normal, &p->normal_capacity, p->vertices + 1,
+                       sizeof *p->normal, "normals", err))
+        return false;
+    p->normal[p->vertices] = vec3_finite(normal) ? normal : vec3(0, 0, 0);
+    return true;
 }
 
 static bool vertex_read(PlyImport *p, const PlyElement *element, uint64_t number, Error *err)
 {
-    double place[3] = { 0, 0, 0 };
+    double place[6] = { 0, 0, 0, 0, 0, 0 };
     uint32_t index;
 
     for (size_t i = element->first; i < element->end; i++) {
@@ -55,7 +74,8 @@ static bool vertex_read(PlyImport *p, const PlyElement *element, uint64_t number
     if (!vec3_finite(v))
         return error_at(err, ERROR_INPUT, p->ply.path, 0, "vertex %llu is not finite",
                         (unsigned long long)number);
-    if (!import_add_vertex(p->target, v, &index, err))
+    if (!import_add_vertex(p->target, v, &index, err) ||
+        (p->shaded && !normal_keep(p, vec3(place[3], place[4], place[5]), err)))
         return false;
     if (p->vertices++ == 0)
         p->base = index;
@@ -85,7 +105,16 @@ static bool face_add(PlyImport *p, size_t count, Error *err)
     if (p->target->faces == 0 && (!import_add_group(p->target, "", &p->group, err) ||
                                   !import_plain_material(p->target, &p->material, err)))
         return false;
-    return import_add_face(p->target, p->corner, count, p->material, p->group, err);
+    if (!p->shaded)
+        return import_add_face(p->target, p->corner, count, p->material, p->group, err);
+    if (!array_reserve((void **)&p->corner_normal, &p->corner_normal_capacity, count,
+                       sizeof *p->corner_normal, "corners of a face", err))
+        return false;
+    for (size_t i = 0; i < count; i++)
+        p->corner_normal[i] = p->normal[p->corner[i] - p->base];
+    const ImportFace face = { .corner = p->corner, .count = count, .material = p->material,
+                              .group = p->group, .normal = p->corner_normal };
+    return import_add_valued(p->target, &face, err);
 }
 
 static bool polygon_take(PlyImport *p, size_t count, const PlyElement *element, uint64_t number,
@@ -195,7 +224,7 @@ static bool body_read(PlyImport *p, bool faces, Error *err)
 }
 
 /* Without them every vertex would lie in the origin. */
-static bool header_check(const PlyImport *p, Error *err)
+static bool header_check(PlyImport *p, Error *err)
 {
     unsigned axes = 0;
 
@@ -204,8 +233,9 @@ static bool header_check(const PlyImport *p, Error *err)
             if (strcmp(p->ply.element[i].name, "vertex") == 0 &&
                 property_axis(&p->ply.property[k]) >= 0)
                 axes |= 1U << property_axis(&p->ply.property[k]);
-    return axes == 7 || error_at(err, ERROR_INPUT, p->ply.path, 0,
-                                 "has no vertices with properties x, y and z");
+    p->shaded = axes == 63;
+    return (axes & 7) == 7 || error_at(err, ERROR_INPUT, p->ply.path, 0,
+                                       "has no vertices with properties x, y and z");
 }
 
 bool import_ply(ImportTarget *target, Error *err)
@@ -224,6 +254,8 @@ bool import_ply(ImportTarget *target, Error *err)
     ply_close(&p.ply);
     array_free(p.member);
     array_free(p.corner);
+    array_free(p.normal);
+    array_free(p.corner_normal);
     array_free(bytes);
     return good;
 }

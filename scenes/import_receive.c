@@ -35,7 +35,11 @@ typedef struct {
     size_t        uv_capacity;
     double      (*corner_uv)[2]; /* of the current face */
     size_t        corner_uv_capacity;
-    bool          mapped;
+    Vec3         *normal;        /* likewise */
+    size_t        normal_capacity;
+    Vec3         *corner_normal;
+    size_t        corner_normal_capacity;
+    bool          mapped, shaded;
     uint32_t     *size;          /* corners of each face of the current part */
     size_t        size_capacity;
     uint32_t     *corner;        /* of the current face */
@@ -136,6 +140,17 @@ static bool uv_take(Receiver *r, uint32_t count, Error *err)
     return r->in.state == PIPE_GOOD;
 }
 
+static bool normals_take(Receiver *r, uint32_t count, Error *err)
+{
+    for (uint32_t done = 0; done < count && r->in.state == PIPE_GOOD; done++) {
+        if (!array_reserve((void **)&r->normal, &r->normal_capacity, (size_t)done + 1,
+                           sizeof *r->normal, "normals", err))
+            return false;
+        r->normal[done] = pipe_get_vec3(&r->in);
+    }
+    return r->in.state == PIPE_GOOD;
+}
+
 static bool vertices_take(Receiver *r, const char *group, uint32_t count, uint32_t *base,
                           Error *err)
 {
@@ -174,6 +189,16 @@ static bool sizes_take(Receiver *r, uint32_t faces, Error *err)
     return true;
 }
 
+static bool corner_room(Receiver *r, size_t count, Error *err)
+{
+    return array_reserve((void **)&r->corner, &r->corner_capacity, count, sizeof *r->corner,
+                         "corners of a face", err) &&
+           array_reserve((void **)&r->corner_uv, &r->corner_uv_capacity, count,
+                         sizeof *r->corner_uv, "corners of a face", err) &&
+           array_reserve((void **)&r->corner_normal, &r->corner_normal_capacity, count,
+                         sizeof *r->corner_normal, "corners of a face", err);
+}
+
 /* The file itself may hold indices out of range (the child refuses them): here it is nonsense. */
 static bool face_take(Receiver *r, uint32_t size, uint32_t base, uint32_t vertices,
                       uint32_t material, uint32_t group, Error *err)
@@ -181,8 +206,7 @@ static bool face_take(Receiver *r, uint32_t size, uint32_t base, uint32_t vertic
     if (size < 3)
         return pipe_nonsense(&r->in);
     for (uint32_t i = 0; i < size; i++) {
-        if (!array_reserve((void **)&r->corner, &r->corner_capacity, (size_t)i + 1,
-                           sizeof *r->corner, "corners of a face", err))
+        if (!corner_room(r, (size_t)i + 1, err))
             return false;
         const uint32_t corner = pipe_get_u32(&r->in);
         if (r->in.state != PIPE_GOOD)
@@ -190,17 +214,16 @@ static bool face_take(Receiver *r, uint32_t size, uint32_t base, uint32_t vertic
         if (corner >= vertices)
             return pipe_nonsense(&r->in);
         r->corner[i] = base + corner;
-        if (!r->mapped)
-            continue;
-        if (!array_reserve((void **)&r->corner_uv, &r->corner_uv_capacity, (size_t)i + 1,
-                           sizeof *r->corner_uv, "corners of a face", err))
-            return false;
-        memcpy(r->corner_uv[i], r->uv[corner], sizeof r->uv[corner]);
+        if (r->mapped)
+            memcpy(r->corner_uv[i], r->uv[corner], sizeof r->uv[corner]);
+        if (r->shaded)
+            r->corner_normal[i] = r->normal[corner];
     }
-    if (r->mapped && owns_scene(r->target))
-        return import_add_mapped(r->target, r->corner, (const double (*)[2])r->corner_uv, size,
-                                 material, group, err);
-    return import_add_face(r->target, r->corner, size, material, group, err);
+    const ImportFace face = { .corner = r->corner, .count = size, .material = material,
+                              .group = group,
+                              .uv = r->mapped ? (const double (*)[2])r->corner_uv : NULL,
+                              .normal = r->shaded ? r->corner_normal : NULL };
+    return import_add_valued(r->target, &face, err);
 }
 
 static bool given_material(Receiver *r, uint32_t given, uint32_t *material, Error *err)
@@ -221,7 +244,7 @@ static bool part_take(Receiver *r, Error *err)
     const uint32_t given = pipe_get_u32(&r->in);
     const uint32_t vertices = pipe_get_u32(&r->in);
     const uint32_t faces = pipe_get_u32(&r->in);
-    const uint32_t mapped = pipe_get_u32(&r->in);
+    const uint32_t mapped = pipe_get_u32(&r->in), shaded = pipe_get_u32(&r->in);
     uint32_t base = 0, group, material;
 
     if (r->in.state != PIPE_GOOD)
@@ -229,9 +252,11 @@ static bool part_take(Receiver *r, Error *err)
     if (!given_material(r, given, &material, err) ||
         !import_add_group(r->target, name, &group, err) ||
         !vertices_take(r, name, vertices, &base, err) ||
+        (shaded != 0 && !normals_take(r, vertices, err)) ||
         (mapped != 0 && !uv_take(r, vertices, err)) || !sizes_take(r, faces, err))
         return false;
     r->mapped = mapped != 0;
+    r->shaded = shaded != 0;
     for (uint32_t i = 0; i < faces; i++)
         if (!face_take(r, r->size[i], base, vertices, material, group, err))
             return false;
@@ -242,15 +267,18 @@ static bool part_take(Receiver *r, Error *err)
 static bool mesh_faces_take(Receiver *r, Error *err)
 {
     const uint32_t vertices = pipe_get_u32(&r->in), faces = pipe_get_u32(&r->in);
+    const uint32_t shaded = pipe_get_u32(&r->in);
     const Material grey = material_default();
     uint32_t base = 0, group, material;
 
     if (r->in.state != PIPE_GOOD ||
         !polygons_add_material(r->target->soup, &grey, &material, err) ||
         !import_add_group(r->target, "", &group, err) ||
-        !vertices_take(r, "", vertices, &base, err) || !sizes_take(r, faces, err))
+        !vertices_take(r, "", vertices, &base, err) ||
+        (shaded != 0 && !normals_take(r, vertices, err)) || !sizes_take(r, faces, err))
         return false;
     r->mapped = false;
+    r->shaded = shaded != 0;
     for (uint32_t i = 0; i < faces; i++)
         if (!face_take(r, r->size[i], base, vertices, material, group, err))
             return false;
@@ -481,6 +509,8 @@ bool import_from_child(ImportTarget *target, ImportWork work, Error *err)
     array_free(r.corner);
     array_free(r.corner_uv);
     array_free(r.uv);
+    array_free(r.normal);
+    array_free(r.corner_normal);
     array_free(r.texture);
     return !error_is_set(err);
 }

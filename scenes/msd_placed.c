@@ -60,7 +60,8 @@ static bool gap_copy(Polygons *to, const Polygons *from, const MsdPlaced *begin,
             assert(old >= vertex && old < end->vertex); /* no object uses another's vertices */
             use[k] = (uint32_t)(old - vertex + base);
         }
-        if (!polygons_add_polygon(to, use, count, from->material[i], from->group[i], err))
+        if (!polygons_add_polygon(to, use, count, from->material[i], from->group[i], err) ||
+            !polygons_copy_normals(to, (uint32_t)to->polygon_count - 1, from, (uint32_t)i, err))
             break;
     }
     array_free(many);
@@ -77,6 +78,7 @@ static void geometry_free(Polygons *soup)
     array_free(soup->corner);
     array_free(soup->material);
     array_free(soup->group);
+    array_free(soup->normal);
     array_free(soup->shape);
 }
 
@@ -92,6 +94,8 @@ static bool unflatten(MsdReader *r)
     lean.position = NULL;
     lean.first = lean.corner = lean.material = lean.group = NULL;
     lean.shape = NULL;
+    lean.normal = NULL;
+    lean.normal_count = lean.normal_capacity = 0;
     lean.vertex_count = lean.polygon_count = lean.shape_count = 0;
     lean.vertex_capacity = lean.corner_capacity = lean.polygon_capacity = lean.shape_capacity = 0;
     for (size_t i = 0; i <= r->placed_count && good; i++)

@@ -23,8 +23,10 @@
 typedef enum {
     RECORD_MATERIAL = 'M', /* PipeMaterial fields */
     RECORD_IMAGE = 'I',    /* material, number of the texture, wrap, whether it is cut out */
-    RECORD_PART = 'P',     /* group name, material, vertices, faces, whether with (u, v) */
-    RECORD_MESH = 'B',     /* vertices, faces, in its own space: to be placed */
+    RECORD_PART = 'P',     /* group name, material, vertices, faces, whether with (u, v),
+                              with normals */
+    RECORD_MESH = 'B',     /* vertices, faces, whether with normals, in its own space: to be
+                              placed */
     RECORD_PLACE = 'A',    /* group name, number of the mesh, material, map */
     RECORD_LIGHT = 'L',
     RECORD_CAMERA = 'C',

@@ -148,6 +148,14 @@ static inline Vec3 bench_normal(const Scene *scene, size_t i)
     return sum;
 }
 
+/* Normal of corner k of polygon i that the file gives; 0 0 0: none. */
+static inline Vec3 bench_shading(const Scene *scene, size_t i, size_t k)
+{
+    const size_t at = scene->polygons.first[i] + k;
+    const float *n = scene->polygons.normal + 3 * at;
+    return at < scene->polygons.normal_count ? vec3(n[0], n[1], n[2]) : vec3(0, 0, 0);
+}
+
 static inline void assert_close(double found, double expected, double tolerance, const char *what)
 {
     if (!(fabs(found - expected) <= tolerance))

@@ -28,6 +28,17 @@ static Scene *placed_read(SceneInstances instances, uint64_t most)
 
 /* --- reading --------------------------------------------------------------------------------- */
 
+/* The base of five corners has the normals of the file, all other faces have none. */
+static void normals_check(const Polygons *p)
+{
+    for (uint32_t f = 0; f < p->polygon_count; f++) {
+        const uint32_t corners = p->first[f + 1] - p->first[f];
+        for (uint32_t k = p->first[f]; k < p->first[f + 1]; k++)
+            assert_true(k < p->normal_count ? p->normal[3 * k + 2] == (corners == 5 ? -1 : 0)
+                                            : corners != 5);
+    }
+}
+
 static void flattened_or_kept(void **state)
 {
     (void)state;
@@ -49,6 +60,9 @@ static void flattened_or_kept(void **state)
         assert_int_equal(p->polygon_count, flat * PRISM_FACES + OTHER_FACES);
         assert_int_equal(p->vertex_count, flat * PRISM_VERTICES + 4 + 3);
         assert_int_equal(p->shape_count, 1);
+        normals_check(p);
+        for (size_t k = 0; k < scene->prototype_count; k++)
+            normals_check(&scene->prototypes[k]);
         scene_destroy(scene);
     }
     assert_int_equal(array_live(), 0);
@@ -221,7 +235,7 @@ static void smooth_normals_are_those_of_flat_faces(void **state)
     room_of(&b, scene);
     Scene other = { .polygons = flat };
     room_of(&a, &other);
-    float      *smooth = normals_create(a.surfaces, &err);
+    float      *smooth = normals_create(&a.room, &err);
     RoomCopies *copies = copies_create(&b.room, scene, NULL, 1, NULL, &err);
     assert_non_null(smooth);
     assert_non_null(copies);

@@ -123,6 +123,37 @@ static void mirrored_nodes_keep_their_fronts(void **state)
 }
 
 /* The binary container, its sizes written by hand. */
+/* The file's places serve as normals. Under a map that doubles x and turns it round they become
+ * shorter in x by half; what cannot be normals is told and left out. */
+static void normals_turn_with_their_nodes(void **state)
+{
+    Bench *bench = *state;
+    Scene *scene = gltf_scene(bench, "\"nodes\":[{\"mesh\":0,\"scale\":[-2,1,1]}],\"meshes\":"
+                              "[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":0},"
+                              "\"indices\":1}]}]");
+    const double half = 1 / sqrt(5); /* (1/2, 1) of length 1 */
+    for (size_t i = 0; i < 2; i++)
+        for (size_t k = 0; k < 3; k++) {
+            const Vec3 p = bench_corner(scene, i, k), n = bench_shading(scene, i, k);
+            if (p.x != 0 && p.y != 0)
+                assert_vec3(n, -half, 2 * half, 0, 1e-6, "both");
+            else
+                assert_vec3(n, p.x / 2, p.y, 0, 0, "one or none");
+        }
+    assert_int_equal(bench->warnings, 0);
+    scene_destroy(scene);
+    static const char *const wrong[] = { "1", "2" }; /* single numbers, too few */
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        char text[300];
+        snprintf(text, sizeof text, NODE ",\"meshes\":[{\"primitives\":[{\"attributes\":"
+                 "{\"POSITION\":0,\"NORMAL\":%s},\"indices\":1}]}]", wrong[i]);
+        scene = gltf_scene(bench, text);
+        assert_int_equal(scene->polygons.normal_count, 0);
+        assert_string_equal(bench->code, "normals-ignored");
+        scene_destroy(scene);
+    }
+}
+
 static void glb_is_the_same(void **state)
 {
     Bench *bench = *state;
@@ -428,6 +459,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(triangles_come_in_all_modes, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(nodes_place_their_meshes, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(mirrored_nodes_keep_their_fronts, bench_open, bench_close),
+        cmocka_unit_test_setup_teardown(normals_turn_with_their_nodes, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(glb_is_the_same, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(materials_mean_light, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(lights_hang_on_their_nodes, bench_open, bench_close),

@@ -106,6 +106,7 @@ static void part_put(PipeWriter *out, Part p)
     pipe_put_u32(out, p.vertices);
     pipe_put_u32(out, p.faces);
     pipe_put_u32(out, 0); /* no places in an image */
+    pipe_put_u32(out, 0); /* no normals */
     for (uint32_t i = 0; i < p.vertices && i < 3; i++)
         pipe_put_vec3(out, vec3(p.x + i, i * i, 0));
     pipe_put_u32(out, p.size);

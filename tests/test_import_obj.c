@@ -83,6 +83,25 @@ static void indices_count_from_both_ends(void **state)
     square_check(bench, "before.obj");
 }
 
+/* By number from both ends, of any length; what is missing or no number is none. */
+static void normals_belong_to_corners(void **state)
+{
+    Bench *bench = *state;
+    bench_text(bench, "normals.obj",
+               "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 5\nvn 3 0 4\nvn 1 nan 0\n"
+               "f 1//1 2//2 3/1/-3 4\nvn 0 3 4\nf 1//3 2//5 3//-1 4//0\nf 1 2 3\nvn 1 0\n");
+    Scene *scene = bench_scene(bench, "normals.obj");
+    static const Vec3 expected[2][4] = {
+        { { 0, 0, 1 }, { 0.6, 0, 0.8 }, { 0, 0, 1 }, { 0, 0, 0 } },
+        { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0.6, 0.8 }, { 0, 0, 0 } } };
+    for (size_t i = 0; i < 2; i++)
+        for (size_t k = 0; k < 4; k++)
+            assert_vec3(bench_shading(scene, i, k), expected[i][k].x, expected[i][k].y,
+                        expected[i][k].z, 1e-6, "normal");
+    assert_vec3(bench_shading(scene, 2, 0), 0, 0, 0, 0, "none");
+    scene_destroy(scene);
+}
+
 /* An L of six corners stays one polygon; its area by Newell is 3. */
 static void polygons_stay_whole(void **state)
 {
@@ -397,6 +416,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(lines_end_as_they_like, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(indices_count_from_both_ends, bench_open, bench_close),
+        cmocka_unit_test_setup_teardown(normals_belong_to_corners, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(polygons_stay_whole, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(positions_keep_double_precision, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(numbers_know_no_locale, bench_open, bench_close),

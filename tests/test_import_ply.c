@@ -52,6 +52,31 @@ static void text_as_it_likes(void **state)
     }
 }
 
+/* A strip's triangles take those of their vertices; without nz there are none. */
+static void normals_belong_to_vertices(void **state)
+{
+    Bench *bench = *state;
+    static const char head[] = HEAD("ascii") "element vertex 4\n" XYZ "property float nx\n"
+                               "property float ny\nproperty float %s\nelement tristrips 1\n"
+                               CORNERS "end_header\n0 0 0 0 0 2\n1 0 0 3 0 4\n0 1 0 0 3 4\n"
+                               "1 1 0 nan 0 1\n4 0 1 2 3\n";
+    char text[600];
+    snprintf(text, sizeof text, head, "nz");
+    bench_text(bench, "normals.ply", text);
+    Scene *scene = bench_scene(bench, "normals.ply");
+    assert_int_equal(scene->polygons.polygon_count, 2);
+    assert_vec3(bench_shading(scene, 0, 0), 0, 0, 1, 1e-6, "0");
+    assert_vec3(bench_shading(scene, 0, 1), 0.6, 0, 0.8, 1e-6, "1");
+    assert_vec3(bench_shading(scene, 1, 0), 0, 0.6, 0.8, 1e-6, "2, the other way round");
+    assert_vec3(bench_shading(scene, 1, 2), 0, 0, 0, 0, "3");
+    scene_destroy(scene);
+    snprintf(text, sizeof text, head, "w");
+    bench_text(bench, "normals.ply", text);
+    scene = bench_scene(bench, "normals.ply");
+    assert_int_equal(scene->polygons.normal_count, 0);
+    scene_destroy(scene);
+}
+
 /* Appends the bytes of a value, lowest first or last. */
 static size_t put(char *to, const void *value, size_t size, int big)
 {
@@ -160,6 +185,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(text_as_it_likes, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(bytes_in_both_orders, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(strips_turn_every_other_triangle, bench_open, bench_close),
+        cmocka_unit_test_setup_teardown(normals_belong_to_vertices, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(small_faces_are_left_out_and_told, bench_open,
                                         bench_close),
         cmocka_unit_test_setup_teardown(broken_files_say_where, bench_open, bench_close),

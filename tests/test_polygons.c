@@ -13,6 +13,9 @@
 #include "base/array.h"
 #include "mesh/polygons.h"
 
+/* Of the square's corners: it leans to x at the two where x is 1, 3 : 4. */
+static const Vec3 slope[4] = { { 0, 0, 9 }, { 3, 0, 4 }, { 0.6, 0, 0.8 }, { 0, 0, 1e-9 } };
+
 /* A square in the plane z = 0 seen from above, a unit sphere about (5, 0, 0), one material, two
  * groups. */
 static bool soup_fill(Polygons *soup, Error *err)
@@ -31,6 +34,7 @@ static bool soup_fill(Polygons *soup, Error *err)
            polygons_add_group(soup, "square", &square, err) &&
            polygons_add_group(soup, "ball", &ball, err) &&
            polygons_add_polygon(soup, index, 4, material, square, err) &&
+           polygons_set_normals(soup, 0, slope, err) &&
            shape_init(&shape, SHAPE_SPHERE, 0, &map, err) &&
            polygons_add_shape(soup, &shape, material, ball, err);
 }
@@ -186,6 +190,9 @@ static void append_maps_and_renumbers(void **state)
     assert_true(polygon_normal(&soup, 1).z < 0);
     assert_true(soup.position[4].z == 2);
     assert_true(soup.shape[1].shape.to_world.t.z == 2);
+    Vec3 n;
+    assert_true(polygons_normal_at(&soup, 1, vec3(1, 0.25, 2), &n));
+    assert_true(vec3_length(vec3_sub(n, vec3(0.6, 0, -0.8))) < 1e-6);
 
     assert_true(polygons_append(&soup, &other, &map, 0, 1, &err));
     assert_int_equal(soup.material[2], 0);
@@ -197,6 +204,35 @@ static void append_maps_and_renumbers(void **state)
     polygons_clear(&soup);
     polygons_clear(&other);
     assert_int_equal(array_live(), 0);
+}
+
+/* At corners the file's, scaled to 1; between them a blend; none where a corner has none. */
+static void normals_are_between_those_of_corners(void **state)
+{
+    (void)state;
+    Polygons soup = { 0 };
+    Error    err = { 0 };
+    Vec3     n;
+    const uint32_t corner[3] = { 0, 1, 2 };
+    Vec3     odd[4] = { { 0, 0, 1 }, { 0, NAN, 1 }, { 0, 0, 1 }, { 0, 0, 1 } };
+    assert_true(soup_fill(&soup, &err));
+    assert_true(polygons_normal_at(&soup, 0, vec3(0, 1, 0), &n));
+    assert_true(n.x == 0 && n.z == 1);
+    assert_true(polygons_normal_at(&soup, 0, vec3(0.5, 0.5, 0), &n));
+    const Vec3 middle = vec3_unit(vec3(0.3, 0, 0.9)); /* of (0,0,1) and (0.6,0,0.8) */
+    assert_true(vec3_length(vec3_sub(n, middle)) < 1e-6);
+    assert_true(polygons_add_polygon(&soup, corner, 3, 0, 0, &err));
+    assert_false(polygons_normal_at(&soup, 1, vec3(0.5, 0.25, 0), &n));
+    assert_true(polygons_set_normals(&soup, 1, slope, &err));
+    /* Weights 1/2, 1/4, 1/4. */
+    assert_true(polygons_normal_at(&soup, 1, vec3(0.5, 0.25, 0), &n));
+    assert_true(vec3_length(vec3_sub(n, middle)) < 1e-6);
+    assert_true(polygons_set_normals(&soup, 0, odd, &err));
+    assert_true(polygons_check(&soup));
+    assert_true(polygons_normal_at(&soup, 0, vec3(0, 0, 0), &n) == false);
+    soup.normal[0] = 0.5F;
+    assert_false(polygons_check(&soup));
+    polygons_clear(&soup);
 }
 
 /* Every allocation fails once; what is there stays valid and is freed. */
@@ -227,6 +263,7 @@ int main(void)
         cmocka_unit_test(what_goes_in_comes_out), cmocka_unit_test(arrays_grow),
         cmocka_unit_test(groups_are_found_again), cmocka_unit_test(bounds_hold_faces_only),
         cmocka_unit_test(check_sees_faults),      cmocka_unit_test(append_maps_and_renumbers),
+        cmocka_unit_test(normals_are_between_those_of_corners),
         cmocka_unit_test(allocations_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
