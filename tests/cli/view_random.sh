@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Whatever hands may do to the window, at random: VIEW_STEPS of them (40), from VIEW_SEED (1) on.
 # Ten minutes of it: VIEW_STEPS=4000 ISOLUX=build/sanitize/isolux tests/cli/view_random.sh
+# With the thread sanitizer: make config=sanitize SANITIZE=thread BUILD=build/threads all, and
+# TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp ignore_noninstrumented_modules=1" \
+#     VIEW_STEPS=2000 ISOLUX=build/threads/isolux tests/cli/view_random.sh
 . "$(dirname "$0")/tap.inc"
 make_cube "$DIR"
 case $ISOLUX in /*) ;; *) ISOLUX=$PWD/$ISOLUX ;; esac
