@@ -20,7 +20,9 @@ bool validation_run(const Validation *validation, Scene *scene, const CaseSetup 
                     Session *session, Pipeline *pipeline, Error *err)
 {
     const Options *asked = &validation->session->options;
+    const int solver = setup->solver != NULL ? *setup->solver : asked->solver;
     const Options options = { .command = setup->command, .scene = validation->name,
+                              .solver = solver, .given = { [OPTION_TOLERANCE] = true },
                               .quality = QUALITY_MEDIUM, .progress = PROGRESS_NONE,
                               .closure = (int)setup->closure, .sides = (int)setup->sides,
                               .patches = setup->patches, .rays = setup->rays, .unit_m = 1,
@@ -204,7 +206,8 @@ bool cmd_validate(Pipeline *pipeline, int *exit_code, Error *err)
     static const CaseList lists[] = { validate_factor_cases, validate_view_cases,
                                       validate_closed_cases, validate_light_cases,
                                       validate_plate_cases, validate_room_cases,
-                                      validate_enclosure_cases, validate_made_cases };
+                                      validate_enclosure_cases, validate_made_cases,
+                                      validate_solver_cases };
     session->told = true;
     fprintf(v.out, "%-24s %-26s %12s %12s %10s %10s %9s  %s\n", "case", "quantity", "expected",
             "value", "deviation", "per cent", "sigma", "verdict");

@@ -34,6 +34,7 @@ typedef struct {
     const Vec3 *point, *normal; /* [points]  measured later */
     size_t   points;
     bool     patches_only;  /* stop when there are patches */
+    const int *solver;      /* as of --solver; NULL: what that says */
 } CaseSetup;
 
 typedef bool (*CaseRun)(Validation *validation, Error *err);
@@ -52,6 +53,7 @@ const Case *validate_plate_cases(size_t *count);
 const Case *validate_view_cases(size_t *count);
 const Case *validate_made_cases(size_t *count);
 const Case *validate_enclosure_cases(size_t *count);
+const Case *validate_solver_cases(size_t *count);
 
 /* A pipeline over a scene made by code, which it takes; solved unless the command is FACTORS or
  * only patches are wanted. The session is filled for it, silent. Clear both in any case with

@@ -18,6 +18,7 @@ static const double LEAST_WEIGHT = 0.1;
 typedef struct {
     const ClusterLinks *links;
     const double *radiosity; /* [patches * ROOM_BANDS]  what is gathered */
+    uint32_t      seed;
     LampTable     lamps;
     uint32_t     *patch;     /* [patches]  those that gather */
     uint32_t      patches;
@@ -66,7 +67,7 @@ static void gather_chunk(void *context, uint32_t begin, uint32_t end, unsigned w
         for (unsigned half = 0; half < HALVES; half++) {
             for (uint32_t k = 0; k < count; k++)
                 tile->row[k].begin = half * tile->all.rays;
-            row_tile_cast(tile, room, &last->lamps, patch, count, links->seed);
+            row_tile_cast(tile, room, &last->lamps, patch, count, last->seed);
             for (uint32_t k = 0; k < count; k++) {
                 const RowCast *row = row_tile_row(tile, room, &last->lamps, k);
                 gather_row(last, row, &last->came[half][(size_t)patch[k] * ROOM_BANDS]);
@@ -223,7 +224,7 @@ bool clusters_gather(const ClusterLinks *links, const SolveProblem *problem,
                      ClustersReport *report, const Monitor *monitor, Error *err)
 {
     assert(options->gather > 0 && solution->count == links->shooter.room->patches->count);
-    LastGather last = { .links = links, .radiosity = solution->radiosity };
+    LastGather last = { .links = links, .radiosity = solution->radiosity, .seed = options->seed };
     if (create(&last, options, err)) {
         choose(&last, weight, problem, solution);
         report->gathered_patches = last.patches;

@@ -167,8 +167,9 @@ void cluster_light_escaped(const ClusterLight *light, const double *radiosity,
 
 /* --- the last reflection ---------------------------------------------------------------------- */
 
-/* Replaces the solution by what its patches gather of it; as it was, if stopped. Patches of less
- * weight [nodes] than a small share of the mean stay. Leaves noise and rays in the report. */
+/* Replaces the solution by what its patches gather of it, by the options' seed; as it was, if
+ * stopped. Patches of less weight [nodes] than a small share of the mean stay. Leaves noise and
+ * rays in the report. */
 bool clusters_gather(const ClusterLinks *links, const SolveProblem *problem,
                      const ClustersOptions *options, const double *weight, Solution *solution,
                      ClustersReport *report, const Monitor *monitor, Error *err);

@@ -63,5 +63,7 @@ for name in INT TERM; do
 done
 ok "validate with a filter" exits 0 validate --filter cie-5.2
 ok "validate tells its count" grep -q '^20 passed, 0 failed' "$DIR/out"
+ok "validate by every solver" exits 0 validate --filter solvers-lamp
+ok "validate by each: its count" grep -q '^12 passed, 0 failed' "$DIR/out"
 ok "validate: no such case" exits 2 validate --filter nosuchcase
 finish
