@@ -11,26 +11,55 @@
 #include "base/file.h"
 #include "scenes/texture_read.h"
 
-uint32_t child_image_send(ChildImages *images, const char *name, const void *bytes, size_t size)
+/* The bytes, or else those of the file of that name; NULL: it is missing, which is told. */
+static const void *image_bytes(ChildImages *images, const char *name, const void *bytes,
+                               size_t *size)
 {
     char   path[PATH_MAX];
     size_t at;
-    Error  damaged = { 0 };
+
+    if (bytes != NULL)
+        return bytes;
+    if (file_beside(images->path, name, path, sizeof path) &&
+        import_files_get(images->files, path, &at)) {
+        *size = images->files->file[at].size;
+        return images->files->file[at].bytes;
+    }
+    pipe_put_warning(images->out, "image-missing", images->path,
+                     "image \"%.200s\" is not there; its material has one colour", name);
+    return NULL;
+}
+
+void child_image_glow(ChildImages *images, uint32_t material, const char *name, const void *bytes,
+                      size_t size)
+{
+    Error damaged = { 0 };
+    Rgb   mean;
+
+    bytes = image_bytes(images, name, bytes, &size);
+    if (bytes == NULL)
+        return;
+    if (!texture_mean(bytes, size, name, &mean, &damaged)) {
+        pipe_put_warning(images->out, "image-unreadable", images->path,
+                         "%s; its material emits everywhere alike", damaged.text);
+        return;
+    }
+    pipe_put_kind(images->out, RECORD_GLOW);
+    pipe_put_u32(images->out, material);
+    pipe_put_rgb(images->out, mean);
+}
+
+uint32_t child_image_send(ChildImages *images, const char *name, const void *bytes, size_t size)
+{
+    Error damaged = { 0 };
 
     assert(name != NULL && images->files != NULL);
     for (uint32_t i = 0; i < images->count; i++)
         if (strcmp(images->name[i], name) == 0)
             return i;
-    if (bytes == NULL && file_beside(images->path, name, path, sizeof path) &&
-        import_files_get(images->files, path, &at)) {
-        bytes = images->files->file[at].bytes;
-        size = images->files->file[at].size;
-    }
-    if (bytes == NULL) {
-        pipe_put_warning(images->out, "image-missing", images->path,
-                         "image \"%.200s\" is not there; its material has one colour", name);
+    bytes = image_bytes(images, name, bytes, &size);
+    if (bytes == NULL)
         return UINT32_MAX;
-    }
     if (!texture_put(images->out, bytes, size, name, &damaged)) {
         pipe_put_warning(images->out, "image-unreadable", images->path,
                          "%s; its material has one colour", damaged.text);

@@ -31,6 +31,9 @@ uint32_t child_image_send(ChildImages *images, const char *name, const void *byt
 /* A material that was sent shows it. */
 void child_image_use(const ChildImages *images, uint32_t material, uint32_t image,
                      TextureWrap wrap, bool cut_out);
+/* A material that was sent emits by an image: on the average. Takes the bytes likewise. */
+void child_image_glow(ChildImages *images, uint32_t material, const char *name, const void *bytes,
+                      size_t size);
 /* (u, v) of a vertex. */
 void child_place_send(PipeWriter *out, const ImagePlace *place, double u, double v);
 

@@ -101,6 +101,7 @@ typedef struct {
     size_t    node_count;
     Material *material;    /* [material_count]  names owned */
     bool     *image;       /* [material_count]  has an image of its colour */
+    bool     *glow;        /* [material_count]  has an image of its emission */
     size_t    material_count;
     Light    *light;       /* [light_count]  in the world */
     size_t    light_count;

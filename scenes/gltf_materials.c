@@ -159,9 +159,9 @@ static Material material_read(const GltfContext *c, const Json *root, const Json
 bool gltf_read_materials(const GltfContext *c, const Json *root, Gltf *gltf)
 {
     const Json *list = gltf_list(c, root, "", "materials");
-    bool glowing = false;
 
     gltf->image = array_create(gltf_count(list), sizeof *gltf->image, "materials", c->err);
+    gltf->glow = array_create(gltf_count(list), sizeof *gltf->glow, "materials", c->err);
     gltf->material = array_create(gltf_count(list), sizeof *gltf->material, "materials", c->err);
     for (size_t i = 0; i < gltf_count(list) && !error_is_set(c->err); i++) {
         const Json *json = gltf_item(list, i);
@@ -172,11 +172,9 @@ bool gltf_read_materials(const GltfContext *c, const Json *root, Gltf *gltf)
         gltf->material[i] = material_read(c, root, json, where, &gltf->image[i]);
         gltf->material[i].name = array_string(gltf_word(c, json, where, "name", where), c->err);
         gltf->material_count++;
-        glowing = glowing || (gltf_member(json, "emissiveTexture") != NULL &&
-                              rgb_max(gltf->material[i].emission) > 0);
+        gltf->glow[i] = rgb_max(gltf->material[i].emission) > 0 &&
+                        image_exists(c, root, gltf_object(c, json, where, "emissiveTexture"),
+                                     where);
     }
-    if (glowing && !error_is_set(c->err))
-        monitor_warn(c->monitor, "textures-ignored", c->path,
-                     "images of emission are not read: such materials emit everywhere alike");
     return !error_is_set(c->err);
 }

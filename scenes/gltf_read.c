@@ -188,6 +188,7 @@ Gltf *gltf_destroy(Gltf *gltf)
         array_free(gltf->material[i].name);
     array_free(gltf->material);
     array_free(gltf->image);
+    array_free(gltf->glow);
     array_free(gltf->node);
     array_free(gltf->light);
     array_free(gltf->camera);

@@ -102,7 +102,7 @@ static void primitive_add(const GltfContext *c, TextOut *out, const Json *root, 
     text_add(out, "}");
 }
 
-/* Its name, and the image of its colour: assimp finds and unpacks that. */
+/* Its name, and the images of its colour and emission: assimp finds and unpacks them. */
 static void material_add(TextOut *out, const Json *root, const Gltf *gltf, size_t i)
 {
     const Json *json = gltf_item(gltf_member(root, "materials"), i);
@@ -120,6 +120,8 @@ static void material_add(TextOut *out, const Json *root, const Gltf *gltf, size_
         text_add(out, "}");
         gltf_text_free(text);
     }
+    if (gltf->glow[i])
+        member_copy(out, json, "emissiveTexture");
     text_add(out, "}");
 }
 

@@ -197,6 +197,21 @@ static void texture_send(Import *import, unsigned i)
                     import->known.gltf->material[import->material[i]].cut_out);
 }
 
+/* The image of a material's emission. */
+static void glow_send(Import *import, unsigned i)
+{
+    const struct aiMaterial *m = import->scene->mMaterials[i];
+    struct aiString name;
+    size_t size = 0;
+
+    if (import->material[i] == PIPE_NO_MATERIAL ||
+        aiGetMaterialTexture(m, aiTextureType_EMISSIVE, 0, &name, NULL, NULL, NULL, NULL, NULL,
+                             NULL) != aiReturn_SUCCESS)
+        return;
+    const void *bytes = image_inside(import->scene, name.data, &size);
+    child_image_glow(&import->images, import->material[i], name.data, bytes, size);
+}
+
 /* The materials of the file; assimp's own stand-ins for none stay out. */
 static bool materials_send(Import *import)
 {
@@ -226,6 +241,7 @@ static bool materials_send(Import *import)
             import->material[i] = sent++;
         }
         texture_send(import, i);
+        glow_send(import, i);
     }
     return true;
 }

@@ -125,6 +125,28 @@ static bool image_take(Receiver *r)
     return true;
 }
 
+static bool glow_take(Receiver *r)
+{
+    const uint32_t material = pipe_get_u32(&r->in);
+    const Rgb mean = pipe_get_rgb(&r->in);
+
+    if (r->in.state != PIPE_GOOD)
+        return false;
+    if (material >= r->material_count || !(mean.r >= 0 && mean.g >= 0 && mean.b >= 0) ||
+        !isfinite(mean.r + mean.g + mean.b))
+        return pipe_nonsense(&r->in);
+    if (r->target->replace)
+        return true;
+    Material *m = &r->target->soup->materials[r->material[material]];
+    if (!(rgb_max(m->emission) > 0))
+        return true;
+    m->emission = rgb_mul(m->emission, mean);
+    scene_limit_material(m, r->target->path, r->target->options);
+    monitor_warn(r->target->options->monitor, "emission-evened", r->target->path,
+                 "material \"%s\" emits the mean of its image everywhere", m->name);
+    return true;
+}
+
 /* What is no number counts as 0: an image may be wrong, light is not. */
 static bool uv_take(Receiver *r, uint32_t count, Error *err)
 {
@@ -440,6 +462,7 @@ static bool record_take(Receiver *r, bool *complete, Error *err)
     case RECORD_MATERIAL: return material_take(r, err);
     case RECORD_TEXTURE: return image_texture_take(r, err);
     case RECORD_IMAGE: return image_take(r);
+    case RECORD_GLOW: return glow_take(r);
     case RECORD_PART: return part_take(r, err);
     case RECORD_MESH: return mesh_take(r, err);
     case RECORD_PLACE: return place_take(r, err);

@@ -23,6 +23,7 @@
 typedef enum {
     RECORD_MATERIAL = 'M', /* PipeMaterial fields */
     RECORD_IMAGE = 'I',    /* material, number of the texture, wrap, whether it is cut out */
+    RECORD_GLOW = 'G',     /* material, what its emission is multiplied by: an image's mean */
     RECORD_PART = 'P',     /* group name, material, vertices, faces, whether with (u, v),
                               with normals */
     RECORD_MESH = 'B',     /* vertices, faces, whether with normals, in its own space: to be

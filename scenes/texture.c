@@ -9,7 +9,7 @@
 #include "base/array.h"
 
 /* IEC 61966-2-1, backwards. */
-static float linear_of(uint8_t byte)
+float texture_linear(uint8_t byte)
 {
     const double v = byte / 255.0;
     return (float)(v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4));
@@ -141,7 +141,7 @@ bool texture_make(Texture *texture, const char *name, int width, int height, uin
     *texture = (Texture){ .width = width, .height = height, .bytes = bytes, .linear = linear,
                           .name = array_string(name, err) };
     for (int i = 0; i < 256; i++)
-        texture->linear_of[i] = linear_of((uint8_t)i);
+        texture->linear_of[i] = texture_linear((uint8_t)i);
     texture->clear = find_clear(texture);
     if (texture->name != NULL && make_levels(texture, err))
         return true;

@@ -43,6 +43,9 @@ typedef struct {
     bool   used;
 } FaceMap;
 
+/* Of a byte in sRGB. */
+float texture_linear(uint8_t byte);
+
 /* Takes over pixels [4 * width * height], of 8 bits in sRGB, or floats (either is NULL), freed by
  * texture_clear, also on failure; makes the smaller copies. name is copied.
  * fails  false; ERROR_MEMORY. */

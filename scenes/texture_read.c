@@ -31,32 +31,77 @@ static const double   CHILD_SECONDS = 60;
 /* Sizes that fit the memory of an ordinary machine: a quarter of the largest square. */
 static const size_t TEXELS_MOST = (size_t)1 << 26;
 
+/* Floats that cannot be light become 0. */
+static float sound(float v) { return v >= 0 && v <= 3e38F ? v : 0; }
+
 /* --- in the child ----------------------------------------------------------------------------- */
+
+/* Pixels [4 * width * height] of 8 bits in sRGB, or of floats; NULL and an error. */
+static void *decode(const void *bytes, size_t size, const char *name, int extent[2], bool *hdr,
+                    Error *err)
+{
+    int channels = 0;
+    if (size > INT_MAX ||
+        !stbi_info_from_memory(bytes, (int)size, &extent[0], &extent[1], &channels)) {
+        error_at(err, ERROR_INPUT, name, 0, "is not an image that can be read: PNG, JPEG, HDR, "
+                 "TGA, BMP, PSD, PNM");
+        return NULL;
+    }
+    if ((size_t)extent[0] * (size_t)extent[1] > TEXELS_MOST) {
+        error_at(err, ERROR_INPUT, name, 0, "has %d x %d pixels: too many", extent[0], extent[1]);
+        return NULL;
+    }
+    *hdr = stbi_is_hdr_from_memory(bytes, (int)size) != 0;
+    void *pixels = *hdr ? (void *)stbi_loadf_from_memory(bytes, (int)size, &extent[0], &extent[1],
+                                                         &channels, 4)
+                        : (void *)stbi_load_from_memory(bytes, (int)size, &extent[0], &extent[1],
+                                                        &channels, 4);
+    if (pixels == NULL)
+        error_at(err, ERROR_INPUT, name, 0, "is damaged: %s", stbi_failure_reason());
+    return pixels;
+}
 
 bool texture_put(PipeWriter *out, const void *bytes, size_t size, const char *name, Error *err)
 {
-    int width = 0, height = 0, channels = 0;
+    int  extent[2] = { 0, 0 };
+    bool hdr = false;
     assert(bytes != NULL && out != NULL);
-    if (size > INT_MAX ||
-        !stbi_info_from_memory(bytes, (int)size, &width, &height, &channels))
-        return error_at(err, ERROR_INPUT, name, 0, "is not an image that can be read: PNG, JPEG, "
-                        "HDR, TGA, BMP, PSD, PNM");
-    if ((size_t)width * (size_t)height > TEXELS_MOST)
-        return error_at(err, ERROR_INPUT, name, 0, "has %d x %d pixels: too many", width, height);
-    const bool hdr = stbi_is_hdr_from_memory(bytes, (int)size) != 0;
-    void *pixels = hdr ? (void *)stbi_loadf_from_memory(bytes, (int)size, &width, &height,
-                                                        &channels, 4)
-                       : (void *)stbi_load_from_memory(bytes, (int)size, &width, &height,
-                                                       &channels, 4);
+    void *pixels = decode(bytes, size, name, extent, &hdr, err);
     if (pixels == NULL)
-        return error_at(err, ERROR_INPUT, name, 0, "is damaged: %s", stbi_failure_reason());
+        return false;
     pipe_put_kind(out, RECORD_TEXTURE);
     pipe_put_text(out, name);
-    pipe_put_u32(out, (uint32_t)width);
-    pipe_put_u32(out, (uint32_t)height);
+    pipe_put_u32(out, (uint32_t)extent[0]);
+    pipe_put_u32(out, (uint32_t)extent[1]);
     pipe_put_u32(out, hdr);
-    pipe_write(out, pixels, (size_t)width * (size_t)height * (hdr ? 16 : 4));
+    pipe_write(out, pixels, (size_t)extent[0] * (size_t)extent[1] * (hdr ? 16 : 4));
     stbi_image_free(pixels);
+    return true;
+}
+
+bool texture_mean(const void *bytes, size_t size, const char *name, Rgb *mean, Error *err)
+{
+    int  extent[2] = { 0, 0 };
+    bool hdr = false;
+    assert(bytes != NULL && mean != NULL);
+    void *pixels = decode(bytes, size, name, extent, &hdr, err);
+    if (pixels == NULL)
+        return false;
+    const size_t width = (size_t)extent[0], height = (size_t)extent[1];
+    Rgb sum = { 0, 0, 0 };
+    for (size_t y = 0; y < height; y++) {
+        Rgb row = { 0, 0, 0 };
+        for (size_t i = y * width; i < (y + 1) * width; i++) {
+            const float   *f = (const float *)pixels + 4 * i;
+            const uint8_t *b = (const uint8_t *)pixels + 4 * i;
+            row = rgb_add(row, hdr ? rgb(sound(f[0]), sound(f[1]), sound(f[2]))
+                                   : rgb(texture_linear(b[0]), texture_linear(b[1]),
+                                         texture_linear(b[2])));
+        }
+        sum = rgb_mad(sum, 1.0 / (double)(width * height), row);
+    }
+    stbi_image_free(pixels);
+    *mean = sum;
     return true;
 }
 
@@ -71,12 +116,10 @@ static bool read_work(const char *path, PipeWriter *out, Error *err)
 
 /* --- in the parent ---------------------------------------------------------------------------- */
 
-/* Floats that cannot be light become 0. */
 static void make_sound(float *linear, size_t count)
 {
     for (size_t i = 0; i < count; i++)
-        if (!(linear[i] >= 0 && linear[i] <= 3e38F))
-            linear[i] = 0;
+        linear[i] = sound(linear[i]);
 }
 
 bool texture_take(PipeReader *in, Texture *texture, Error *err)

@@ -14,6 +14,8 @@ bool texture_read(const char *path, const Monitor *monitor, Texture *texture, Er
 
 /* In a child: decodes `size` bytes and sends a record of them. fails  false; ERROR_INPUT. */
 bool texture_put(PipeWriter *out, const void *bytes, size_t size, const char *name, Error *err);
+/* In a child: mean over the image's pixels, linear light. fails  false; ERROR_INPUT. */
+bool texture_mean(const void *bytes, size_t size, const char *name, Rgb *mean, Error *err);
 /* In the parent: what follows the record's kind. fails  false; in->state tells, or *err. */
 bool texture_take(PipeReader *in, Texture *texture, Error *err);
 

@@ -154,6 +154,29 @@ static void normals_turn_with_their_nodes(void **state)
     }
 }
 
+/* Red, yellow: the mean is (1, 1/2, 0). An image that is missing or broken changes nothing. */
+static void images_of_emission_are_evened(void **state)
+{
+    Bench *bench = *state;
+    static const char *const rest =
+        NODE ",\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,"
+        "\"material\":0}]}],\"materials\":[{\"emissiveFactor\":[1,0.5,1],\"emissiveTexture\":"
+        "{\"index\":0}}],\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"glow.%s\"}]";
+    static const struct { const char *ending, *code; double g, b; } cases[] = {
+        { "ppm", "emission-evened", 0.25, 0 }, { "png", "image-unreadable", 0.5, 1 },
+        { "jpg", "image-missing", 0.5, 1 } };
+    char text[600];
+    bench_bytes(bench, "glow.ppm", "P6 2 1 255\n\xff\0\0\xff\xff\0", 17);
+    bench_bytes(bench, "glow.png", "\x89PNG not really", 15);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        snprintf(text, sizeof text, rest, cases[i].ending);
+        Scene *scene = gltf_scene(bench, text);
+        assert_string_equal(bench->code, cases[i].code);
+        assert_rgb(bench_material(scene, 0)->emission, 1, cases[i].g, cases[i].b, 1e-12, "mean");
+        scene_destroy(scene);
+    }
+}
+
 static void glb_is_the_same(void **state)
 {
     Bench *bench = *state;
@@ -460,6 +483,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(nodes_place_their_meshes, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(mirrored_nodes_keep_their_fronts, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(normals_turn_with_their_nodes, bench_open, bench_close),
+        cmocka_unit_test_setup_teardown(images_of_emission_are_evened, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(glb_is_the_same, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(materials_mean_light, bench_open, bench_close),
         cmocka_unit_test_setup_teardown(lights_hang_on_their_nodes, bench_open, bench_close),
