@@ -15,7 +15,7 @@
 
 /* --- the line: [-option values ...] file ------------------------------------------------------ */
 
-/* Numbers that may follow an option, as far as there are any. */
+/* Numbers that may follow an option, as far as there are any; those not finite change nothing. */
 static void option_numbers(const TextFile *text, const char **line, double *value, int most)
 {
     for (int k = 0; k < most; k++) {
@@ -23,7 +23,8 @@ static void option_numbers(const TextFile *text, const char **line, double *valu
         double v;
         if (!text_number(text, &peek, &v))
             return;
-        value[k] = v;
+        if (isfinite(v))
+            value[k] = v;
         *line = peek;
     }
 }
@@ -31,7 +32,7 @@ static void option_numbers(const TextFile *text, const char **line, double *valu
 /* Takes one option with what belongs to it; false: there is none left. */
 static bool option_read(const TextFile *text, const char **line, MapImage *image)
 {
-    double unused[3];
+    double unused[3] = { 0, 0, 0 };
     const char *peek = *line;
     const Word key = text_word(&peek);
     if (key.length < 2 || key.begin[0] != '-')

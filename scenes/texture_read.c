@@ -5,6 +5,7 @@
 
 #include <assert.h>
 #include <limits.h>
+#include <math.h>
 #include <string.h>
 
 #define STB_IMAGE_IMPLEMENTATION
@@ -31,8 +32,11 @@ static const double   CHILD_SECONDS = 60;
 /* Sizes that fit the memory of an ordinary machine: a quarter of the largest square. */
 static const size_t TEXELS_MOST = (size_t)1 << 26;
 
+/* So much that 2^26 texels add up to less than the greatest float. */
+static const float LIGHT_MOST = 1e30F;
+
 /* Floats that cannot be light become 0. */
-static float sound(float v) { return v >= 0 && v <= 3e38F ? v : 0; }
+static float sound(float v) { return v >= 0 && v <= LIGHT_MOST ? v : 0; }
 
 /* --- in the child ----------------------------------------------------------------------------- */
 
@@ -119,7 +123,7 @@ static bool read_work(const char *path, PipeWriter *out, Error *err)
 static void make_sound(float *linear, size_t count)
 {
     for (size_t i = 0; i < count; i++)
-        linear[i] = sound(linear[i]);
+        linear[i] = i % 4 == 3 ? fminf(sound(linear[i]), 1) : sound(linear[i]);
 }
 
 bool texture_take(PipeReader *in, Texture *texture, Error *err)
