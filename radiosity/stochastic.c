@@ -205,10 +205,11 @@ static void even_out_all(Run *run)
 /* What noise is left, by how far the two halves are apart, and what evening out did to light: as
  * far as that is more than it did to the difference of the halves, in which there is no light.
  * Groups were chosen for looking smooth, so the latter is too little: what they let through of the
- * noise is counted at the price that they were chosen by (EVEN_PENALTY). */
+ * noise is counted at the price that they were chosen by (EVEN_PENALTY). Noise that was taken for
+ * light (EVEN_TAKEN) is missing from the product, and at most as much of it is let through. */
 static double estimate_error(Run *run)
 {
-    double noise = 0, chosen = 0, bias = 0, sum = 0, areas = 0;
+    double noise = 0, chosen = 0, bias = 0, moved = 0, sum = 0, areas = 0;
     even_out_all(run);
     for (size_t k = 0; k < run->n; k += ROOM_BANDS) {
         const double area = area_of(run, k);
@@ -223,10 +224,11 @@ static double estimate_error(Run *run)
         if (!run->options->apart && fabs(moved_a) + fabs(moved_b) > ROUNDED * (raw_a + raw_b))
             chosen += apart;
         bias += 4 * moved_a * moved_b / area;
+        moved += 4 * (moved_a * moved_a + moved_b * moved_b) / 2 / area;
         sum += a + b;
         areas += area;
     }
-    bias += (EVEN_PENALTY - 2) * chosen;
+    bias += (EVEN_PENALTY - 2) * chosen + 2 * EVEN_TAKEN * moved;
     return sum > 0 ? sqrt((noise + fmax(bias, 0)) * areas) / sum : 0;
 }
 

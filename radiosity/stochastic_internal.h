@@ -133,6 +133,14 @@ enum { EVEN_POOL = 16 };
  * where many were to choose from. */
 static const double EVEN_PENALTY = 3;
 
+/* Patches of a group whose deviation from its fit is judged together, at most. */
+enum { EVEN_JUDGED = 8 };
+
+/* Share of the square of mere noise that is taken for light then: E[r; r > r0] of the correlation r
+ * of n = EVEN_JUDGED normal deviates beyond r0 = 0.7071, two standard deviations of it. That is
+ * c (1 - r0^2)^((n-1)/2) / (n - 1), c = Gamma(n/2) / (sqrt(pi) Gamma((n-1)/2)). */
+static const double EVEN_TAKEN = 0.0129;
+
 bool even_tree_create(const Room *room, const double *area, unsigned threads, EvenTree *tree,
                       Error *err);
 void even_tree_clear(EvenTree *tree);
