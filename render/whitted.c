@@ -312,7 +312,8 @@ static bool picture_prepare(Picture *picture, const Camera *camera, Error *err)
     if (error_is_set(err) || !collect_lights(picture, err))
         return false;
     for (size_t i = 0; i < room->material_count; i++)
-        picture->clear = picture->clear || rgb_max(room->materials[i].transmittance) > 0;
+        picture->clear = picture->clear || room->materials[i].cut_out ||
+                         rgb_max(room->materials[i].transmittance) > 0;
     picture->smooth = normals_create(room, err);
     camera_rays_init(&picture->camera, camera, o->width, o->height);
     camera_rays_crop(&picture->camera, picture->image->left, picture->image->top);

@@ -148,12 +148,55 @@ static void threads_change_nothing(void **state)
     assert_int_equal(array_live(), 0);
 }
 
+/* A plate whose image is clear where x > 0: a light straight above the floor there lights it as if
+ * nothing stood between, 0.5 / pi / 4^2 of its intensity and half the ambient light; elsewhere only
+ * the latter is left. */
+static void light_passes_holes(void **state)
+{
+    (void)state;
+    static const uint8_t pixels[8] = { 255, 255, 255, 255, 255, 255, 255, 0 };
+    const Vec3   corner[3] = { { -2, 2, 2 }, { 2, 2, 2 }, { -2, 2, -2 } };
+    const double uv[3][2] = { { 0, 0 }, { 1, 0 }, { 0, 1 } };
+    Textures textures = { 0 };
+    Texture  texture;
+    FaceMap  map;
+    uint32_t index;
+    double   misfit;
+    Error    err = { 0 };
+    TestRoom r = { 0 };
+    const Light lamp[2] = {
+        { .kind = LIGHT_POINT, .position = { 1, 4, 0 }, .intensity = { 16, 16, 16 } },
+        { .kind = LIGHT_POINT, .position = { -1, 4, 0 }, .intensity = { 16, 16, 16 } } };
+    uint8_t *copy = array_create(8, 1, "texture", &err);
+    memcpy(copy, pixels, 8);
+    assert_true(texture_make(&texture, "half", 2, 1, copy, NULL, &err));
+    texture.wrap = WRAP_CLAMP;
+    assert_true(textures_add(&textures, &texture, &index, &err));
+    const uint32_t floor = material(&r, 0.5, 0, 0, 0), plate = material(&r, 0.5, 0, 0, 0);
+    r.soup.materials[plate].texture = index + 1;
+    r.soup.materials[plate].cut_out = true;
+    room_quad(&r, vec3(-2, 2, 2), vec3(4, 0, 0), vec3(0, 0, -4), plate, "plate");
+    room_quad(&r, vec3(-9, 0, 9), vec3(18, 0, 0), vec3(0, 0, -18), floor, "floor");
+    assert_true(face_map_fit(&map, corner, uv, 3, &misfit));
+    assert_true(textures_set_map(&textures, 0, &map, &err));
+    finish(&r, lamp, 1);
+    r.room.textures = &textures;
+    for (int k = 0; k < 2; k++) {
+        const double x = lamp[k].position.x;
+        r.room.lights = &lamp[k];
+        assert_near(look(&r, vec3(x, 1, 0), vec3(x, 0, 0), 5), 0.05 + (k == 0 ? 0.5 / M_PI : 0));
+    }
+    textures_clear(&textures);
+    room_clear(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lights_and_shadows),
         cmocka_unit_test(highlight),
         cmocka_unit_test(mirrors_and_depth),
+        cmocka_unit_test(light_passes_holes),
         cmocka_unit_test(threads_change_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
