@@ -4,6 +4,7 @@
 
 #include <assert.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 
 bool trace_begin(Trace *trace, const char *path, uint64_t rays, Error *err)
@@ -22,9 +23,12 @@ void trace_step(void *user, const SolveStep *step)
 {
     const Trace *trace = user;
     assert(trace->file != NULL);
-    fprintf(outfile_stream(trace->file), "%" PRIu32 ",%.6f,%" PRIu64 ",%.9g,%.9g,%.9g\n",
-            step->step, step->seconds, trace->rays, step->residual, step->unshot,
-            step->error_bound);
+    FILE *out = outfile_stream(trace->file);
+    fprintf(out, "%" PRIu32 ",%.6f,%" PRIu64 ",%.9g,%.9g,", step->step, step->seconds,
+            trace->rays + step->rays, step->residual, step->unshot);
+    if (!isnan(step->error_bound)) /* else there is none */
+        fprintf(out, "%.9g", step->error_bound);
+    fputc('\n', out);
 }
 
 bool trace_finish(Trace *trace, Error *err)

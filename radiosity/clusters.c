@@ -133,6 +133,7 @@ static void tell(Run *run, const Monitor *monitor)
                              .seconds = clock_seconds() - run->begun,
                              .residual = run->report->error, .unshot = run->solution->unshot,
                              .error_bound = NAN, .radiosity = run->solution->radiosity,
+                             .rays = run->links.rays,
                              .passes = (double)run->links.rays / fmax(1, run->tree.leaves) };
     o->trace(o->trace_user, &step);
 }

@@ -54,6 +54,7 @@ typedef struct {
     double   unshot;       /* power not yet distributed, 0..1 */
     double   error_bound;  /* see above */
     double   passes;       /* work so far: links read / links there are */
+    uint64_t rays;         /* cast by the solver itself; 0 where links are stored */
     const double *radiosity; /* [count * bands]  what there is now */
 } SolveStep;
 

@@ -16,6 +16,8 @@ ok "solved" exits 0 solve "$scene" "${fast[@]}" -o "$DIR/a.ply" --json "$DIR/a.j
 ok "by that solver" grep -q '"solver": "hierarchical"' "$DIR/a.json"
 ok "links are told" test "$(value links "$DIR/a.json")" -gt 600
 ok "a step for each round" test "$(wc -l <"$DIR/a.csv")" -gt 1
+ok "rays of rounds are counted" awk -F, 'NR == 1 { next } NF != 6 || $3 <= last { bad = 1 }
+    { last = $3 } END { exit bad }' "$DIR/a.csv"
 ok "power balances" near 1 "$(awk -v e="$(value balance_error "$DIR/a.json")" \
     'BEGIN { print 1 + e }')" 1e-6
 
