@@ -422,6 +422,7 @@ static void tell(Run *run, Solution *solution, double share, const Monitor *moni
                              .seconds = clock_seconds() - run->begun,
                              .residual = run->report->error, .unshot = solution->unshot,
                              .error_bound = NAN, .radiosity = solution->radiosity,
+                             .rays = count_rays(run),
                              .passes = (double)count_rays(run) / run->shooter.count };
     run->options->trace(run->options->trace_user, &step);
 }
