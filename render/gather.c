@@ -95,7 +95,8 @@ Gatherer *gatherer_create(const Room *room, const Solution *solution, const Link
         return NULL;
     g->room = room;
     if (!fill_extents(g, err) || !fill_vertices(g, solution, links, err) ||
-        !fill_normals(g, err) || !lamps_init(&g->lamps, room, err))
+        !fill_normals(g, err) || !lamps_init(&g->lamps, room, err) ||
+        (room->mirrors && !images_init(&g->images, room, g->smooth, err)))
         return gatherer_destroy(g);
     g->clear = mirrors_exist(room->materials, room->material_count);
     return g;
@@ -106,6 +107,7 @@ Gatherer *gatherer_destroy(Gatherer *g)
     if (g == NULL)
         return NULL;
     lamps_clear(&g->lamps);
+    images_clear(&g->images);
     split_destroy(g->split);
     array_free(g->vertex);
     array_free(g->extent);

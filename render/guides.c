@@ -64,6 +64,32 @@ typedef struct {
     uint32_t  near_count;
 } Lesson;
 
+/* Which of the receivers casts ray k of `rays`. */
+static size_t who_of(uint32_t k, uint32_t count, uint32_t rays)
+{
+    return (size_t)((uint64_t)k * count / rays);
+}
+
+/* What ray k finds where it ends, mirrors and glass on its way passed: what is reflected there, and
+ * light of lamps that no lamp ray finds. */
+static Rgb light_along(Wave *wave, const Receiver *at, uint32_t k, uint32_t seed)
+{
+    const Gatherer *g = wave->gatherer;
+    const Room     *room = g->room;
+    Rgb             pass = { 1, 1, 1 };
+    wave->way[k] = (SpecularWay){ .turned = false };
+    if (g->clear && room->mirrors)
+        pass = specular_follow(room, g->smooth, sampling_mix(seed + k), &wave->ray[k],
+                               &wave->hit[k], &wave->way[k], &wave->rays);
+    if (wave->hit[k].primitive == RAY_MISS)
+        return rgb(0, 0, 0);
+    const WaveEnd end = wave_end(g, &wave->ray[k], &wave->hit[k]);
+    Rgb           light = wave_radiosity(g, &end);
+    if (wave_lamp_unaimed(wave, at, k) && room->emitting[end.surface] >> end.side & 1)
+        light = rgb_mad(light, M_PI, lamps_material(room, end.surface, end.side)->emission);
+    return rgb_mul(pass, light);
+}
+
 /* Rays begin..begin+n-1 of `rays`, spread over the receivers. */
 static void lesson_block(Lesson *lesson, Wave *wave, const Receiver *at, uint32_t count,
                          uint32_t begin, uint32_t n, uint32_t rays, uint32_t seed)
@@ -75,8 +101,7 @@ static void lesson_block(Lesson *lesson, Wave *wave, const Receiver *at, uint32_
         sampling_sobol2(begin + k, seed, u);
         cell[k][0] = (uint8_t)(u[0] * GUIDE_SIDE);
         cell[k][1] = (uint8_t)(u[1] * GUIDE_SIDE);
-        const size_t who = (size_t)((uint64_t)(begin + k) * count / rays);
-        const WaveFrame frame = wave_frame(g->room, &at[who]);
+        const WaveFrame frame = wave_frame(g->room, &at[who_of(begin + k, count, rays)]);
         wave->ray[k] = wave_hemisphere(&frame, u);
     }
     bvh_nearest_many(g->room->bvh, wave->ray, wave->hit, n);
@@ -85,9 +110,13 @@ static void lesson_block(Lesson *lesson, Wave *wave, const Receiver *at, uint32_
         lesson->number[cell[k][0]][cell[k][1]]++;
         if (wave->hit[k].primitive == RAY_MISS)
             continue;
+        const size_t who = who_of(begin + k, count, rays);
+        const Rgb    light = light_along(wave, &at[who], k, seed + begin);
+        if (wave->hit[k].primitive == RAY_MISS)
+            continue;
         const Ray    *ray = &wave->ray[k];
         const WaveEnd end = wave_end(g, ray, &wave->hit[k]);
-        lesson->light[cell[k][0]][cell[k][1]] += rgb_luminance(wave_radiosity(g, &end));
+        lesson->light[cell[k][0]][cell[k][1]] += rgb_luminance(light);
         const uint32_t stride = rays / WAVE_RAYS;
         if (lesson->near == NULL || (begin + k) % stride != 0 ||
             lesson->near_count == WAVE_RAYS || !(wave_nearness(g, &end, &wave->hit[k]) > 0))

@@ -146,11 +146,11 @@ static float luck(uint32_t seed, unsigned step, unsigned k)
 }
 
 Rgb specular_follow(const Room *room, const float *smooth, uint32_t seed, Ray *ray, Hit *hit,
-                    bool *turned, uint64_t *rays)
+                    SpecularWay *met, uint64_t *rays)
 {
     Rgb   weight = { 1, 1, 1 };
     float far = 0;
-    *turned = false;
+    *met = (SpecularWay){ .turned = false };
     for (unsigned step = 0; hit->primitive != RAY_MISS; step++) {
         const Vec3 way = vec3(ray->dx, ray->dy, ray->dz), in = vec3_unit(way);
         RoomHit at;
@@ -177,7 +177,12 @@ Rgb specular_follow(const Room *room, const float *smooth, uint32_t seed, Ray *r
         if (!(luck(seed, step + FOLLOW_MOST + 1, 0) < survival))
             break;
         weight = rgb_scale(weight, 1 / survival);
-        *turned = *turned || !specular_is_straight(room, &at, m, ray);
+        if (!specular_is_straight(room, &at, m, ray)) {
+            met->by_mirror = step == 0 && !(rgb_max(m->transmittance) > 0);
+            met->turned = true;
+            met->surface = at.surface;
+            met->side = at.side;
+        }
         far += length;
         ++*rays;
         bvh_nearest(room->bvh, ray, hit);

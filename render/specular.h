@@ -25,13 +25,20 @@ bool specular_is_straight(const Room *room, const RoomHit *hit, const Material *
 bool specular_split(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in, bool across,
                     Ray *ray, Rgb *weight);
 
+/* What happened to a ray that gathers light on its way (specular_follow). */
+typedef struct {
+    bool     turned;        /* by a mirror or glass: no ray straight to a lamp finds the same way */
+    bool     by_mirror;     /* by a single mirror, which it met first: */
+    uint32_t surface;       /* that one, */
+    unsigned side;          /* on this side */
+} SpecularWay;
+
 /* Follows a ray that gathers light from its nearest hit on, through mirrors and glass, to where it
  * ends: *ray is its last part, *hit its end (RAY_MISS: none), t with the way before. smooth: as of
- * render/normals.h. *rays counts those cast. Returns what its light counts; `turned`: it did not
- * only go straight through panes, so that no ray to a lamp finds the same way.
+ * render/normals.h. *rays counts those cast. Returns what its light counts.
  * Ideal mirrors and glass alone pass it on; what is diffuse as well ends it by chance. */
 Rgb specular_follow(const Room *room, const float *smooth, uint32_t seed, Ray *ray, Hit *hit,
-                    bool *turned, uint64_t *rays);
+                    SpecularWay *way, uint64_t *rays);
 
 /* Phong exponent of the specular part: INFINITY for a mirror, a soft gloss where none is given. */
 double specular_exponent(const Material *material);

@@ -17,7 +17,7 @@
 #include "render/split.h"
 
 /* Purposes of the sequences drawn from one seed. */
-enum { SEED_LAMP = 1, SEED_LIGHT, SEED_DIRECTION, SEED_RAMP };
+enum { SEED_LAMP = 1, SEED_LIGHT, SEED_DIRECTION, SEED_RAMP, SEED_IMAGE };
 
 static uint32_t seed_of(uint32_t seed, uint32_t purpose, unsigned level)
 {
@@ -185,6 +185,45 @@ static void receive_lamps(Wave *wave, unsigned level, uint32_t count, const Wave
     }
 }
 
+/* One lamp sample of a point's image in a plane, the e-th of the level. */
+static void add_image(Wave *wave, unsigned level, uint32_t e, uint32_t rays, uint32_t plane,
+                      const WaveOptions *options)
+{
+    const Gatherer  *g = wave->gatherer;
+    const WavePoint *p = &wave->point[level][e / rays];
+    const LampPlan   plan = plan_of(wave, level, e / rays, options);
+    const uint32_t   seed = seed_of(options->seed, SEED_IMAGE + plane, level);
+    Receiver         image;
+    LampSample       s;
+    float            u[2];
+    if (!images_receiver(g->room, &g->images.plane[plane], &p->at, &image))
+        return;
+    sampling_sobol2(p->index * rays + e % rays, seed ^ p->seed, u);
+    if (!lamps_sample(&g->lamps, &image, &plan, u[0], u[1], &s))
+        return;
+    Rgb pass = images_pass(&g->images, g->room, plane, &p->at, &s, g->clear, &wave->rays);
+    if (!(rgb_max(pass) > 0))
+        return;
+    if (level == 0)
+        pass = rgb_scale(pass, normals_share(vec3_unit(vec3_sub(s.point, image.point)),
+                                             image.normal, image.face));
+    const Rgb arrives = rgb_mul(pass, s.value);
+    add_to(wave, p, level, rgb_scale(arrives, 1.0 / rays));
+    s.value = rgb(0, 0, 0); /* no control */
+    if (options->split != NULL)
+        split_sample(g, &p->at, &s, arrives, 0, rgb_scale(p->weight, 1.0 / rays),
+                     split_sums(wave, p, options));
+}
+
+/* Light of lamps by way of flat mirrors. */
+static void receive_images(Wave *wave, unsigned level, uint32_t count, const WaveOptions *options)
+{
+    const uint32_t rays = level == 0 ? options->lamp_rays : 1;
+    for (uint32_t plane = 0; options->clear && plane < wave->gatherer->images.count; plane++)
+        for (uint32_t e = 0; e < count * rays; e++)
+            add_image(wave, level, e, rays, plane, options);
+}
+
 /* --- the hemisphere -------------------------------------------------------------------------- */
 
 WaveEnd wave_end(const Gatherer *gatherer, const Ray *ray, const Hit *hit)
@@ -302,7 +341,7 @@ static void follow(Wave *wave, unsigned level, uint32_t k, uint32_t seed, bool c
     wave->pass[k] = rgb(1, 1, 1);
     if (clear)
         wave->pass[k] = specular_follow(g->room, g->smooth, sampling_mix(seed ^ wave->index[k]),
-                                        &wave->ray[k], &wave->hit[k], &wave->turned[k],
+                                        &wave->ray[k], &wave->hit[k], &wave->way[k],
                                         &wave->rays);
     wave->pass[k] = rgb_scale(wave->pass[k], share);
 }
@@ -347,7 +386,7 @@ static void cast_block(Wave *wave, unsigned level, uint32_t begin, uint32_t n, u
     wave->rays += n;
     for (uint32_t k = 0; k < n; k++) {
         wave->pass[k] = rgb(1, 1, 1);
-        wave->turned[k] = false;
+        wave->way[k] = (SpecularWay){ .turned = false };
         if (clear || level == 0)
             follow(wave, level, k, seed, clear);
     }
@@ -374,6 +413,25 @@ static void receive_at(Wave *wave, unsigned level, const WavePoint *from, uint32
                                     mirrors_scattered(m, m->reflectance)), worth) };
 }
 
+/* Whether ray k came by a flat mirror for which lamps are sampled, `seen` from there. */
+static bool is_image(const Wave *wave, const Receiver *at, uint32_t k, Receiver *seen)
+{
+    const Gatherer    *g = wave->gatherer;
+    const SpecularWay *way = &wave->way[k];
+    if (!way->by_mirror)
+        return false;
+    const uint32_t plane = images_of(&g->images, way->surface, way->side);
+    return plane < IMAGES_MOST &&
+           images_receiver(g->room, &g->images.plane[plane], at, seen);
+}
+
+bool wave_lamp_unaimed(const Wave *wave, const Receiver *at, uint32_t k)
+{
+    Receiver seen;
+    assert(k < WAVE_RAYS);
+    return wave->way[k].turned && !is_image(wave, at, k, &seen);
+}
+
 /* What a lamp that the ray met adds. */
 static void add_lamp(Wave *wave, unsigned level, const WavePoint *from, uint32_t k, uint32_t rays,
                      const WaveOptions *options)
@@ -384,8 +442,9 @@ static void add_lamp(Wave *wave, unsigned level, const WavePoint *from, uint32_t
     room_hit(g->room, &wave->hit[k], vec3(ray->dx, ray->dy, ray->dz), &hit);
     const Material *m = lamps_material(g->room, hit.surface, hit.side);
     const LampPlan  plan = plan_of(wave, level, wave->owner[k], options);
-    const double    share =
-        wave->turned[k] ? 1 : lamps_share(&g->lamps, &from->at, &plan, &hit);
+    Receiver        seen = from->at;
+    const bool      aimed = !wave->way[k].turned || is_image(wave, &from->at, k, &seen);
+    const double    share = aimed ? lamps_share(&g->lamps, &seen, &plan, &hit) : 1;
     const Rgb e = rgb_scale(rgb_mul(m->emission, wave->pass[k]),
                             M_PI * share * wave->worth[k] / rays);
     add_to(wave, from, level, e);
@@ -422,7 +481,7 @@ static uint32_t read_end(Wave *wave, unsigned level, uint32_t k, uint32_t rays,
     const bool   view_only = level == 0 && options->indirect_only;
     if (view_only)
         add_view(wave, k, &end);
-    if (((g->lamps.shared && !view_only) || wave->turned[k]) &&
+    if (((g->lamps.shared && !view_only) || wave_lamp_unaimed(wave, &p->at, k)) &&
         room->emitting[end.surface] >> end.side & 1)
         add_lamp(wave, level, p, k, rays, options);
     const double chance = level + 1 < WAVE_LEVELS ? wave_nearness(g, &end, &wave->hit[k]) : 0;
@@ -448,8 +507,10 @@ static void receive(Wave *wave, unsigned level, uint32_t count, const WaveOption
 {
     assert(level < WAVE_LEVELS && count <= WAVE_RAYS);
     const bool lamps = level > 0 || !options->indirect_only;
-    if (lamps)
+    if (lamps) {
         receive_lamps(wave, level, count, options, false);
+        receive_images(wave, level, count, options);
+    }
     /* Who sees to the point lights at the points themselves does not where rays end. */
     if (lamps && (options->lights || level > 0) && wave->gatherer->room->light_count > 0)
         receive_lamps(wave, level, count, options, true);

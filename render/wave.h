@@ -9,7 +9,8 @@
  *          other samples of the block were lit, so that neither full light nor full shadow is
  *          noisy. The control's factor is made of other samples than the one it corrects, so it
  *          adds no bias but by their weak dependence as points of one net: for n of them at most
- *          1/(n - 1) of the covariance of light and shadow, below 0.1 % in half shadow.
+ *          1/(n - 1) of the covariance of light and shadow, below 0.1 % in half shadow. Lamps seen
+ *          in flat mirrors are aimed at as well, without a control (images.h).
  * Indirect cosine rays, guided, read the solution where they end. An end nearer than about a patch
  *          becomes a receiving point itself, with a lamp sample and a ray of its own, by a chance
  *          that fades out with distance, so that no mesh and no seam shows.
@@ -20,7 +21,9 @@
 #include "radiosity/room.h"
 #include "render/gather.h"
 #include "render/guides.h"
+#include "render/images.h"
 #include "render/lamps.h"
+#include "render/specular.h"
 
 enum {
     WAVE_POINTS = 64,   /* receiving points of a block */
@@ -39,6 +42,7 @@ struct Gatherer {
     float      *extent;  /* [patches->count]  edge of a patch */
     float      *widest[2]; /* [surfaces->count]  largest of those of a side; 0: not in use */
     Lamps       lamps;
+    Images      images;
     bool        clear;   /* some material is an ideal mirror or lets light through */
 };
 
@@ -83,7 +87,7 @@ typedef struct Wave {
     Hit       hit[WAVE_RAYS];
     bool      blocked[WAVE_RAYS];
     Rgb       pass[WAVE_RAYS];       /* share of light that passes along the ray */
-    bool      turned[WAVE_RAYS];     /* by a mirror or glass on its way */
+    SpecularWay way[WAVE_RAYS];      /* by mirrors and glass */
     float     worth[WAVE_RAYS];      /* of a hemisphere ray: 1 / density of its guide */
     LampSample sample[WAVE_RAYS];
     uint32_t   owner[WAVE_RAYS];     /* of the ray: which point of the level */
@@ -97,6 +101,9 @@ typedef struct Wave {
  * filled by the caller) into direct and indirect. Of them the first `gathered` cast hemisphere
  * rays; for the others indirect is 0. */
 void wave_gather(Wave *wave, uint32_t count, uint32_t gathered, const WaveOptions *options);
+
+/* Whether light of a lamp that ray k met, cast from `at`, comes a way that no lamp ray finds. */
+bool wave_lamp_unaimed(const Wave *wave, const Receiver *at, uint32_t k);
 
 /* How far rays that leave p are moved off their surface. */
 double wave_offset(const Room *room, Vec3 p);

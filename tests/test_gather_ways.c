@@ -92,11 +92,99 @@ static void gloss_of_lights_and_lamps(void **state)
     place_clear(&q);
 }
 
+/* --- lamps seen in flat mirrors --------------------------------------------------------------- */
+
+/* Factor from a point to the rectangle (0,0)..(x,y) at height h over it, parallel; odd in x and y
+ * (the closed form of every handbook). */
+static double corner_factor(double x, double y, double h)
+{
+    const double a = x / h, b = y / h, p = sqrt(1 + a * a), q = sqrt(1 + b * b);
+    return (a / p * atan(b / p) + b / q * atan(a / q)) / (2 * PI);
+}
+
+static double rectangle_factor(double x0, double x1, double y0, double y1, double h)
+{
+    return corner_factor(x1, y1, h) - corner_factor(x0, y1, h) - corner_factor(x1, y0, h) +
+           corner_factor(x0, y0, h);
+}
+
+static const Rgb mirror_colour = { 0.9, 0.6, 0.3 };
+
+/* A mirror in the plane x = 0, y from y0 on, that looks to +x; all else is black. */
+static void add_mirror(Place *p, double y0)
+{
+    Material mirror = material_default();
+    uint32_t m;
+    mirror.reflectance = rgb(0, 0, 0);
+    mirror.specular = mirror_colour;
+    mirror.exponent = INFINITY;
+    assert_true(polygons_add_material(&p->soup, &mirror, &m, &p->err));
+    add_quad(p, vec3(0, y0, 0), vec3(0, 40, 0), vec3(0, 0, 40), m);
+}
+
+static void pass_mirrors(Place *p)
+{
+    gatherer_destroy(p->gatherer);
+    p->room.mirrors = true;
+    p->gatherer = gatherer_create(&p->room, p->solution, p->links, &p->err);
+    assert_non_null(p->gatherer);
+}
+
+static void near_colour(Rgb e, double straight, double mirrored, double within)
+{
+    assert_true(fabs(e.r - straight - mirror_colour.r * mirrored) <= within);
+    assert_true(fabs(e.g - straight - mirror_colour.g * mirrored) <= within);
+    assert_true(fabs(e.b - straight - mirror_colour.b * mirrored) <= within);
+}
+
+/* At (1,0,0) a lamp of radiance 1 at height 2 arrives straight, and once more from its image, in
+ * the mirror's colour: all of it, or just its half if the mirror begins at y = 0. Nets of N points
+ * are off by about 1/N of what varies; a quarter of the rays go to lamps, in 16 nets. */
+static void lamp_in_flat_mirror(void **state)
+{
+    (void)state;
+    const double straight = PI * rectangle_factor(-0.5, 0.5, -0.5, 0.5, 2);
+    const double mirrored = PI * rectangle_factor(1.5, 2.5, -0.5, 0.5, 2);
+    for (int half = 0; half < 2; half++) {
+        Place p = { 0 };
+        add_mirror(&p, half > 0 ? 0 : -20);
+        add_quad(&p, vec3(0.5, -0.5, 2), vec3(0, 1, 0), vec3(1, 0, 0), grey(&p, 0, 1));
+        place_finish(&p, 1, 10);
+        pass_mirrors(&p);
+        const Irradiance e = measure(&p, vec3(1, 0, 0), vec3(0, 0, 1), 65536);
+        assert_true(e.standard_error < 0.01 * straight);
+        near_colour(e.direct, straight, half > 0 ? mirrored / 2 : mirrored,
+                    4 * e.standard_error + mirrored / 1024);
+        assert_true(rgb_max(e.indirect) == 0);
+        place_clear(&p);
+    }
+}
+
+/* A ball of radius R at distance d in the direction c over the horizon: pi (R/d)^2 c. Hemisphere
+ * rays that find it, straight or by the mirror, share with lamp rays; none counts twice. */
+static void ball_in_flat_mirror(void **state)
+{
+    (void)state;
+    Place p = { 0 };
+    add_mirror(&p, -20);
+    add_shape(&p, SHAPE_SPHERE, vec3(1, 0, 2), 0.5, grey(&p, 0, 1));
+    place_finish(&p, 1, 10);
+    pass_mirrors(&p);
+    const double     straight = PI * 0.25 / 4;
+    const double     mirrored = PI * 0.25 / 8 * sqrt(0.5);
+    const Irradiance e = measure(&p, vec3(1, 0, 0), vec3(0, 0, 1), 16384);
+    assert_true(e.standard_error < 0.01 * straight);
+    near_colour(e.direct, straight, mirrored, 4 * e.standard_error);
+    place_clear(&p);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mirror_and_pane),
         cmocka_unit_test(gloss_of_lights_and_lamps),
+        cmocka_unit_test(lamp_in_flat_mirror),
+        cmocka_unit_test(ball_in_flat_mirror),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
