@@ -288,6 +288,21 @@ static bool light_goes_on(const Pipeline *pipeline)
            mirrors_exist(soup->materials, soup->material_count);
 }
 
+/* A last gather looks after gaps itself. They are narrower than this share of the scene: were
+ * patches as large as rooms, whole rooms would count as gaps. */
+static const double POCKET_SHARE = 1.0 / 8;
+
+/* Room.pocket: for pictures alone; factors that are kept are for solutions as well. */
+static double widest_pocket(const Pipeline *pipeline)
+{
+    const Session  *session = pipeline->session;
+    const Surfaces *surfaces = pipeline->surfaces;
+    if (session->options.command != COMMAND_RENDER || session->options.factors != NULL ||
+        session->settings.stochastic)
+        return 0;
+    return POCKET_SHARE * vec3_length(vec3_sub(surfaces->hi, surfaces->lo));
+}
+
 void pipeline_room(Pipeline *pipeline)
 {
     pipeline->room = (Room){
@@ -306,6 +321,7 @@ void pipeline_room(Pipeline *pipeline)
         .mirrors = light_goes_on(pipeline),
         .skin = pipeline->skin,
         .offset = ray_offset(pipeline->surfaces->largest_coordinate),
+        .pocket = widest_pocket(pipeline),
     };
 }
 

@@ -6,7 +6,7 @@
 
 /* Pieces that faces are cut into where others touch them, however few patches are asked for: few
  * patches are no reason to leave faces uncut. */
-enum { PIECES_LEAST = 10000 };
+enum { PIECES_LEAST = 60000 };
 
 /* What is switched off was found all the same. */
 static void leave_found(Defects *defects, const ImprintOptions *options)

@@ -130,6 +130,7 @@ typedef struct {
     PatchPoint at;              /* place of the first good ray, else of the first */
     uint32_t   first;           /* that ray */
     uint32_t   good, bad, rays; /* rays that met a side in use or nothing, others, all */
+    uint32_t   near;            /* of the good ones, those that ended in a pocket */
     double     weight, good_weight; /* mean over all rays; sum over the good ones */
 } CastPosition;
 

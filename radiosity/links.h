@@ -9,6 +9,11 @@
  * chance and a near one never blows up.
  * A sample point half or more of whose rays meet sides that take no part (the inside of a box that
  * stands on the patch) lies inside a solid: it neither sends nor receives.
+ * A last gather reads a patch from farther away than its edge only, and follows rays on that end
+ * nearer. For it (room->pocket) places that see nothing farther away than the edge of what they see
+ * or are, and no lamp, take no part either: a wall's one value is that of its open places then, not
+ * of those behind a picture, and what leaves it does not end on the picture's back, which has no
+ * other light than what the wall would not give it there.
  * Threads  made in parallel, the same bytes for any number; a finished Links never changes.
  */
 #ifndef RADIOSITY_LINKS_H

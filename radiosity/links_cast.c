@@ -177,6 +177,19 @@ void row_cast_follow(RowCast *row, const Room *room)
     row->medium = under ? sum / inside : 1;
 }
 
+/* Whether a ray ended in the gap that it began in: nearer than the edge of the larger of both
+ * patches, and no light comes from there. */
+static bool ends_in_pocket(const RowCast *row, const Room *room, uint32_t k)
+{
+    const Patches *patches = room->patches;
+    const RayEnd  *end = &row->end[k];
+    const double   t = row->hit[k].t;
+    if (!(t < room->pocket) || room->emitting[end->surface] != 0 ||
+        room->emitting[patches->surface[row->patch]] != 0)
+        return false;
+    return t * t < fmax(patches->area[row->patch], patches->area[end->patch]);
+}
+
 /* Resolves all hits, counts each position's good and bad rays, and returns how many rays stay. A
  * position half or more of whose rays meet sides that take no part lies inside a solid: one ray
  * alone may have slipped through a crack. Half, not all: where solids run into each other, some
@@ -197,18 +210,21 @@ void row_cast_judge(RowCast *row, const Room *room)
             if (p->good++ == 0 && p->first != k)
                 place_at(room, row->patch, row->place[k], &p->at);
             p->good_weight += row->weight[k];
+            p->near += !end->escaped && ends_in_pocket(row, room, k);
         } else {
             end->patch = PATCH_NONE;
         }
     }
     row->good_rays = row->valid_count = 0;
-    for (uint32_t p = 0; p < row->positions; p++)
-        if (row->position[p].bad < row->position[p].good) {
-            row->valid[row->valid_count++] = p;
-            row->good_rays += row->position[p].good;
+    for (uint32_t k = 0; k < row->positions; k++) {
+        CastPosition *p = &row->position[k];
+        if (p->bad < p->good && p->near < p->good) {
+            row->valid[row->valid_count++] = k;
+            row->good_rays += p->good;
         } else {
-            row->position[p].good = 0;
+            p->good = 0;
         }
+    }
 }
 
 /* How much a ray of the hemisphere counts where the lamp's own samples could have found the same:

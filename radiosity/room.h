@@ -37,6 +37,8 @@ typedef struct {
     bool            mirrors;        /* rays go on at mirrors and clear glass (mirrors.h) */
     const uint8_t  *skin;           /* [surfaces->count]  of mirrors_skins, or NULL */
     double          offset;         /* ray_offset(surfaces->largest_coordinate) */
+    double          pocket;         /* widest gap, in scene units, whose places neither send nor
+                                       receive (links.h); 0: all places do */
 } Room;
 
 /* What a ray meets: the surface, where on it, and from which side. */
