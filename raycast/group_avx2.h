@@ -172,4 +172,26 @@ static inline uint64_t groups_block(const TriangleGroup *group, uint32_t count,
     return blocked;
 }
 
+/* Offers the triangles to the best hits of `rays`, whose major axes are the same. */
+static inline void groups_meet(const TriangleGroup *group, uint32_t count, Probe *probe,
+                               Best *best, uint64_t rays, uint32_t place)
+{
+    for (uint32_t g = 0; g < count; g += 2) {
+        const TriangleGroup *a = &group[g], *b = a + (g + 1 < count);
+        const Corners corners = groups_corners(a, b, probe->axis);
+        const unsigned used = groups_used(a, b);
+        for (uint64_t left = rays; left != 0; left &= left - 1) {
+            const unsigned i = (unsigned)__builtin_ctzll(left);
+            Probe *p = &probe[i];
+            Sheared s;
+            groups_shear(&s, &corners, p);
+            unsigned sure = 0;
+            const unsigned lanes = groups_filter(&s, p, used, false, p->t_max, &sure);
+            if (lanes != 0
+                && groups_decide(a, &s, p, lanes, place + g * GROUP_WIDTH, &best[i]))
+                p->t_max = best[i].limit;
+        }
+    }
+}
+
 #endif

@@ -148,10 +148,12 @@ LANES_INLINE unsigned packet_run(const Bvh *bvh, const Ray *ray, const uint32_t 
 }
 
 /* Rays are tried together at the start of each stretch. A subtree walked alone costs a ray about
- * what it would cost without the packet; from one and a half of them the packet is in vain. */
+ * what it would cost without the packet; from one and a half of them the packet is in vain. Sorted
+ * rays go in herds well before that. */
 #define STRETCH 4096u
 #define STRETCH_TRIAL 256u
 #define STRETCH_ALONE (STRETCH_TRIAL * 3 / 2)
+#define HERD_ALONE (STRETCH_TRIAL / 2)
 
 LANES_INLINE void packets_trace(const Bvh *bvh, const Ray *ray, const uint32_t *order,
                                 size_t count, Hit *hit, bool *blocked)
@@ -162,10 +164,12 @@ LANES_INLINE void packets_trace(const Bvh *bvh, const Ray *ray, const uint32_t *
         const unsigned alone = packet_run(bvh, ray, order, i, trial, hit, blocked);
         if (trial == end)
             continue;
-        if (alone <= STRETCH_ALONE)
+        if (alone <= (hit != NULL && order != NULL ? HERD_ALONE : STRETCH_ALONE))
             packet_run(bvh, ray, order, trial, end, hit, blocked);
+        else if (hit != NULL && order != NULL)
+            herds_nearest(bvh, ray + trial, order + trial, end - trial, hit);
         else if (order != NULL)
-            stream_trace(bvh, ray + trial, order + trial, end - trial, hit, blocked);
+            stream_trace(bvh, ray + trial, order + trial, end - trial, NULL, blocked);
         else
             stream_trace(bvh, ray + trial, NULL, end - trial, hit != NULL ? hit + trial : NULL,
                          hit != NULL ? NULL : blocked + trial);

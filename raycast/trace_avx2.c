@@ -18,7 +18,7 @@
 
 #include "raycast/stream.h"
 
-#include "raycast/crowd.h"
+#include "raycast/herd.h"
 
 #include "raycast/lanes_avx2.h"
 

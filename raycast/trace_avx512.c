@@ -20,7 +20,7 @@
 
 #include "raycast/stream.h"
 
-#include "raycast/crowd.h"
+#include "raycast/herd.h"
 
 #include "raycast/lanes_avx512.h"
 
