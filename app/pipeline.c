@@ -68,6 +68,17 @@ bool pipeline_hurry(Pipeline *pipeline, Error *err)
     return true;
 }
 
+/* In a hurry nothing stops it again: so many rays in all, about a second's work. */
+enum { HURRY_RAYS = 1 << 20, HURRY_RAYS_LEAST = 8 };
+
+uint32_t pipeline_solver_rays(const Pipeline *pipeline)
+{
+    const uint32_t all = pipeline->session->settings.rays;
+    const uint32_t few = HURRY_RAYS / pipeline->patches->count;
+    const uint32_t hurried = few > HURRY_RAYS_LEAST ? few : HURRY_RAYS_LEAST;
+    return pipeline->session->hurry && hurried < all ? hurried : all;
+}
+
 /* --- read ------------------------------------------------------------------------------------- */
 
 /* Distances are in scene units, so cd over squared units is lux only after division by what a

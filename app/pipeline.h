@@ -137,6 +137,8 @@ bool pipeline_fits(const Pipeline *pipeline, uint64_t more, const char *what, Er
 void pipeline_begin(Pipeline *pipeline, Stage stage);
 /* Whether a stage that failed was only asked to stop: then it may run once more, roughly. */
 bool pipeline_hurry(Pipeline *pipeline, Error *err);
+/* Rays per patch of solvers that cast their own: what was asked for, or few in a hurry. */
+uint32_t pipeline_solver_rays(const Pipeline *pipeline);
 /* Adds the time since `begin` to a stage and notes the memory. */
 void pipeline_note(Pipeline *pipeline, Stage stage, double begin);
 const char *pipeline_stage_name(Stage stage);

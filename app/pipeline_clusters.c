@@ -50,12 +50,13 @@ bool pipeline_clusters_solve(Pipeline *pipeline, Error *err)
     if (!trace_begin(&trace, session->options.trace, pipeline->links->rays, err))
         return false;
     double *seen = what_is_seen(pipeline, err);
+    const uint32_t rays = pipeline_solver_rays(pipeline);
+    const bool gather = !session->options.no_last_gather && !session->hurry;
     const bool given = options_given(&session->options, OPTION_TOLERANCE);
     ClustersKept *kept = saving_clusters(pipeline->saving);
     const ClustersOptions options = { .tolerance = given ? settings->tolerance : 0,
-                                      .rays = LINK_SHARE * settings->rays, .seen = seen,
-                                      .gather = session->options.no_last_gather ? 0
-                                                                                : settings->rays,
+                                      .rays = LINK_SHARE * rays, .seen = seen,
+                                      .gather = gather ? rays : 0,
                                       .sights = settings->lamp_rays, .seed = settings->seed,
                                       .threads = settings->threads,
                                       .trace_user = &trace,

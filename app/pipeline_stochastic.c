@@ -81,7 +81,7 @@ bool pipeline_stochastic_solve(Pipeline *pipeline, Error *err)
         return false;
     const bool given = options_given(&session->options, OPTION_TOLERANCE);
     const StochasticOptions so = { .tolerance = given ? settings->tolerance : 0,
-                                   .rays = settings->rays, .seed = settings->seed,
+                                   .rays = pipeline_solver_rays(pipeline), .seed = settings->seed,
                                    .threads = settings->threads, .trace_user = &trace,
                                    .trace = trace.file != NULL ? trace_step : NULL,
                                    .kept = saving_light(pipeline->saving) };

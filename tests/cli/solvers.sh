@@ -90,4 +90,10 @@ ok "not with options about links" fails 2 'closure: not with' solve "$cube" "${f
 ok "chosen where links have no room" exits 0 solve "$cube" --patches 30000 --rays 1024 \
     --max-memory 400MB --tolerance 0.2 --json "$DIR/few.json"
 ok "that is told" grep -q '"solver": "stochastic"' "$DIR/few.json"
+# Asked to stop before they have begun, solvers that cast their own rays cast few.
+for solver in stochastic hierarchical; do
+    ok "$solver: out of time at once" exits 5 solve scenes/files/cornell.msd --patches 2000 \
+        --rays 1000000 --tolerance 1e-9 --solver $solver --time-limit 0 -o "$DIR/late.ply" \
+        --progress none
+done
 finish
