@@ -116,7 +116,9 @@ static void lesson_block(Lesson *lesson, Wave *wave, const Receiver *at, uint32_
             continue;
         const Ray    *ray = &wave->ray[k];
         const WaveEnd end = wave_end(g, ray, &wave->hit[k]);
-        lesson->light[cell[k][0]][cell[k][1]] += rgb_luminance(light);
+        /* A guide is a density: what a fit to vertices takes below 0 somewhere leads nowhere. */
+        const double luminance = rgb_luminance(light);
+        lesson->light[cell[k][0]][cell[k][1]] += luminance > 0 ? luminance : 0;
         const uint32_t stride = rays / WAVE_RAYS;
         if (lesson->near == NULL || (begin + k) % stride != 0 ||
             lesson->near_count == WAVE_RAYS || !(wave_nearness(g, &end, &wave->hit[k]) > 0))
