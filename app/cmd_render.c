@@ -58,10 +58,10 @@ static bool take_pictures(Pipeline *pipeline, int *exit_code, Error *err)
             good = picture_skip(&maker, pipeline, err);
         else
             good = take_picture(pipeline, &maker, p, &stopped, err);
-        if (good && !stopped) { /* what is written is not to be made again */
+        if (good && !stopped) /* what is written is not to be made again */
             saving_view(pipeline->saving, k + 1);
+        if (good) /* a stop that no progress has been told since too */
             saving_tick(pipeline->saving);
-        }
     }
     picture_maker_end(&maker);
     views_add_up(pipeline);

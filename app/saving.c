@@ -180,13 +180,14 @@ void saving_now(Saving *s)
 
 void saving_tick(Saving *s)
 {
-    if (s == NULL || s->path == NULL)
+    /* What was saved at a stop is the last: what follows is rough. */
+    if (s == NULL || s->path == NULL || s->stopped)
         return;
-    const bool stop = session_stopped(s->pipeline->session) && !s->stopped;
+    const bool stop = session_stopped(s->pipeline->session);
     if (!stop && progress_now() - s->last < s->every)
         return;
     saving_now(s);
-    s->stopped = s->stopped || stop;
+    s->stopped = stop;
 }
 
 static void tick(void *user)
