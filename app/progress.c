@@ -149,6 +149,8 @@ static void *beat(void *context)
 {
     ProgressPrinter *printer = context;
     pthread_mutex_lock(&printer->lock);
+    printer->begun = true;
+    pthread_cond_signal(&printer->wake);
     while (!printer->ending) {
         struct timespec until;
         clock_gettime(CLOCK_REALTIME, &until);
@@ -172,6 +174,12 @@ void progress_begin(ProgressPrinter *printer)
     pthread_sigmask(SIG_SETMASK, &all, &old);
     printer->beating = pthread_create(&printer->heart, NULL, beat, printer) == 0;
     pthread_sigmask(SIG_SETMASK, &old, NULL);
+    /* A process that is copied while a thread is being set up (files of other programs are read in
+     * a copy) can find memory locked for good under address sanitizers. */
+    pthread_mutex_lock(&printer->lock);
+    while (printer->beating && !printer->begun)
+        pthread_cond_wait(&printer->wake, &printer->lock);
+    pthread_mutex_unlock(&printer->lock);
 }
 
 void progress_end(ProgressPrinter *printer)

@@ -25,7 +25,7 @@ typedef struct {
     double        last;       /* when the last line was printed */
     Progress      now;        /* what was reported last; its stage is `stage` above */
     pthread_t     heart;      /* prints when nothing else does; only when beating */
-    bool          beating, ending;
+    bool          beating, begun, ending;
     pthread_mutex_t lock;     /* of all above; held only to look, set and print */
     pthread_cond_t  wake;
 } ProgressPrinter;
