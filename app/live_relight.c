@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "app/live_changes.h"
+#include "app/live_dimming.h"
 #include "app/pipeline_clusters.h"
 #include "app/pipeline_stochastic.h"
 #include "base/array.h"
@@ -131,6 +132,7 @@ bool relighting_begin(Relighting *r, Live *live, Error *err)
         r->emission[m] = soup->materials[m].emission;
         r->reflectance[m] = soup->materials[m].reflectance;
     }
+    r->brings = array_create(r->knob_count, sizeof *r->brings, "knobs", err);
     if (p->direct.irradiance != NULL)
         r->direct = copy(p->direct.irradiance, (size_t)ROOM_BANDS * p->patches->count, err);
     return !error_is_set(err);
@@ -141,6 +143,8 @@ void relighting_end(Relighting *r)
     for (uint32_t k = 0; r->alone != NULL && k < r->knob_count; k++)
         array_free(r->alone[k]);
     array_free(r->alone);
+    dimming_forget(r);
+    array_free(r->brings);
     array_free(r->emission);
     array_free(r->reflectance);
     array_free(r->lamp);
@@ -173,24 +177,24 @@ static void turn_materials(const Relighting *r, Pipeline *p, const KnobSetting *
 static bool cast_alone(Relighting *r, Pipeline *p, uint32_t k, Error *err)
 {
     const Settings *settings = &p->session->settings;
-    const DirectOptions options = { .seed = settings->seed, .threads = settings->threads,
-                                    .balance = settings->closure != CLOSURE_NONE };
     Light *light = array_create(p->scene->light_count, sizeof *light, "knobs", err);
-    if (light == NULL)
-        return false;
+    bool  *only = array_create(p->scene->light_count, sizeof *only, "knobs", err);
+    const DirectOptions options = { .seed = settings->seed, .threads = settings->threads,
+                                    .balance = settings->closure != CLOSURE_NONE, .only = only };
     Room room = p->room;
     Direct direct = { 0 };
     room.lights = light;
-    room.light_count = 0;
-    for (uint32_t i = 0; i < p->scene->light_count; i++)
-        if (r->light[i] == k) {
-            light[room.light_count] = p->scene->lights[i];
-            light[room.light_count++].intensity = r->intensity[i];
-        }
-    const bool cast = direct_create(&room, p->links, &options, &direct, &p->session->monitor, err);
+    for (uint32_t i = 0; !error_is_set(err) && i < p->scene->light_count; i++) {
+        light[i] = p->scene->lights[i];
+        light[i].intensity = r->intensity[i];
+        only[i] = r->light[i] == k;
+    }
+    if (!error_is_set(err) &&
+        direct_create(&room, p->links, &options, &direct, &p->session->monitor, err))
+        r->alone[k] = direct.irradiance;
     array_free(light);
-    r->alone[k] = cast ? direct.irradiance : array_free(direct.irradiance);
-    return cast;
+    array_free(only);
+    return r->alone[k] != NULL;
 }
 
 static bool turn_lights(Relighting *r, Pipeline *p, const KnobSetting *s, Error *err)
@@ -240,23 +244,39 @@ static Solution *solve_again(Pipeline *p, const double *received, double toleran
     return after;
 }
 
-static bool change(Relighting *r, Pipeline *p, const KnobSetting *setting, Error *err)
+bool relighting_turn(Relighting *r, Pipeline *p, const KnobSetting *setting, Error *err)
+{
+    turn_materials(r, p, setting);
+    if (!turn_lights(r, p, setting, err))
+        return false;
+    p->emission = array_free(p->emission);
+    p->reflectance = array_free(p->reflectance);
+    return pipeline_problem(p, err);
+}
+
+/* The light of another paint, or where links are not kept: from the last one on. */
+static bool solve_on(Relighting *r, Pipeline *p, const KnobSetting *setting, Error *err)
 {
     const size_t n = (size_t)ROOM_BANDS * p->patches->count;
     double *received = p->direct.irradiance != NULL ? copy(p->direct.irradiance, n, err) : NULL;
     Solution *after = NULL;
-    turn_materials(r, p, setting);
-    if (!error_is_set(err) && turn_lights(r, p, setting, err)) {
-        p->emission = array_free(p->emission);
-        p->reflectance = array_free(p->reflectance);
-        if (pipeline_problem(p, err))
-            after = solve_again(p, received, MOVING_TOLERANCE, err);
-    }
+    dimming_forget(r);
+    if (!error_is_set(err) && relighting_turn(r, p, setting, err))
+        after = solve_again(p, received, MOVING_TOLERANCE, err);
     array_free(received);
     if (after == NULL)
         return false;
     solution_destroy(p->solution);
     p->solution = after;
+    return true;
+}
+
+static bool change(Relighting *r, Pipeline *p, const KnobSetting *setting, Error *err)
+{
+    bool could;
+    if (!dimming_follow(r, p, setting, &could, err) || (!could && !solve_on(r, p, setting, err)))
+        return false;
+    r->setting = *setting;
     return true;
 }
 

@@ -25,6 +25,8 @@ typedef struct {
     bool      moving;       /* the solution is rough: a knob was turned lately, at `turned` */
     double    turned;
     double  **alone;        /* [knob_count]  from those of one knob; NULL: not cast yet */
+    KnobSetting setting;    /* that the solution is for */
+    Solution **brings;      /* [knob_count]  light of one knob; NULL: not solved for yet */
 } Relighting;
 
 /* Once the pipeline is solved. fails  false; ERROR_MEMORY. */
@@ -34,5 +36,9 @@ void relighting_end(Relighting *relighting);
  * what was turned when that was asked for, and tells the window how it went.
  * fails  false; as relight. */
 bool relighting_follow(Relighting *relighting, Live *live, bool *done, Error *err);
+/* Turns the scene, and what patches emit, reflect and receive from point lights, to `setting`.
+ * fails  false; ERROR_MEMORY. */
+bool relighting_turn(Relighting *relighting, Pipeline *pipeline, const KnobSetting *setting,
+                     Error *err);
 
 #endif

@@ -150,15 +150,17 @@ static double *group_emission(const Pipeline *p, uint32_t group, Error *err)
 static double *light_received(Pipeline *p, uint32_t light, Error *err)
 {
     const Settings *settings = &p->session->settings;
+    bool *only = array_create(p->room.light_count, sizeof *only, "light groups", err);
     const DirectOptions options = { .seed = settings->seed, .threads = settings->threads,
-                                    .balance = settings->closure != CLOSURE_NONE };
-    Room room = p->room;
+                                    .balance = settings->closure != CLOSURE_NONE, .only = only };
     Direct direct = { 0 };
-    room.lights = &p->scene->lights[light];
-    room.light_count = 1;
-    if (!direct_create(&room, p->links, &options, &direct, &p->session->monitor, err))
+    if (only == NULL)
         return NULL;
-    return direct.irradiance;
+    only[light] = true;
+    const bool cast = direct_create(&p->room, p->links, &options, &direct, &p->session->monitor,
+                                    err);
+    array_free(only);
+    return cast ? direct.irradiance : NULL;
 }
 
 static SolveOptions solve_options(const Pipeline *p)

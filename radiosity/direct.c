@@ -272,6 +272,8 @@ static bool run_lights(DirectPass *d, const DirectOptions *options, unsigned thr
     DirectTotals totals = { 0 };
     for (size_t k = 0; k < room->light_count; k++) {
         const Progress progress = { .stage = "factors", .done = 0, .energy_left = -1 };
+        if (options->only != NULL && !options->only[k])
+            continue;
         d->light = &room->lights[k];
         d->index = (uint32_t)k;
         if (!parallel_for(ESCAPE_RAYS, ESCAPE_CHUNK, threads, escape_chunk, d, monitor,

@@ -11,6 +11,8 @@ typedef struct {
     uint32_t seed;
     unsigned threads;
     bool     balance;  /* scale so that what arrives and escapes is what was sent, exactly */
+    const bool *only;      /* [room->light_count]  false: left out; NULL: all. A light's rays are
+                              its own, whatever others are cast */
 } DirectOptions;
 
 typedef struct {

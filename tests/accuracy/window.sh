@@ -18,7 +18,7 @@ cd "$DIR" || exit 1
 
 number() { # FILE KEY [WITHIN]: the first value of that key, after the line that names the other
     awk -v key="\"$2\":" -v within="\"${3:-view}\":" '
-        $1 == within { on = 1 } on && $1 == key { gsub(/,/, "", $2); print $2; exit }' "$1"
+        $1 == within && $2 == "{" { on = 1 } on && $1 == key { gsub(/,/, "", $2); print $2; exit }' "$1"
 }
 view() { "$ISOLUX" view "$@" --progress none --threads 2 --json a.json 2>/dev/null || exit 1; }
 row() { printf '%-58s %10s  %s\n' "$@"; }
