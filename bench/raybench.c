@@ -67,11 +67,11 @@ static void trace_chunk(void *context, uint32_t begin, uint32_t end, unsigned wo
         bvh_nearest_beam(job->bvh, ray, hit, end - begin);
     else
         bvh_nearest_many(job->bvh, ray, hit, end - begin);
-    for (uint32_t i = 0; i < end - begin; i++)
-        if (hit[i].primitive != RAY_MISS) {
-            sum->hits++;
-            sum->primitives += hit[i].primitive;
-        }
+    for (uint32_t i = 0; i < end - begin; i++) {
+        const bool found = hit[i].primitive != RAY_MISS;
+        sum->hits += found;
+        sum->primitives += found ? hit[i].primitive : 0;
+    }
 }
 
 static Traced our_trace(const Bvh *bvh, const RaySet *set, unsigned threads, Error *err)
