@@ -175,7 +175,7 @@ static bool run_all(Live *live, Error *err)
     Pipeline *p = live->pipeline;
     live_begin(live, "reading", STEP_READING);
     if (!pipeline_read(p, err) || !pipeline_mesh(p, err) || !pipeline_camera(p, err) ||
-        !pipeline_patches(p, err) || !live_shoot(live, err))
+        !live_glance(live, err) || !pipeline_patches(p, err) || !live_shoot(live, err))
         return false;
     live_begin(live, "links", STEP_SHOT);
     p->watch = on_pass;

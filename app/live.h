@@ -69,5 +69,8 @@ bool live_publish(Live *live, const LiveLight *light, Error *err);
 
 /* live_shoot.c: the first two of the stages above. */
 bool live_shoot(Live *live, Error *err);
+/* Of a large scene, before its sides and patches are known: triangles as the eye meets them, by the
+ * light that comes straight from lamps, either way, and an estimate. Leaves nothing behind. */
+bool live_glance(Live *live, Error *err);
 
 #endif

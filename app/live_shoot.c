@@ -14,6 +14,9 @@
 
 enum {
     LAMP_SAMPLES = 16,   /* rays of a patch to lamps */
+    GLANCE_SAMPLES = 4,  /* the same at a glance */
+    GLANCE_PATCHES = 40000, /* wanted; triangles smaller than these stay as they are */
+    GLANCE_SURFACES = 50000, /* with fewer a glance saves no time worth speaking of */
     LIGHT_SAMPLES = 4,   /* and to each point light */
     CHUNK = 128,         /* patches whose rays go together */
     SHOT_RAYS = 1024,
@@ -37,7 +40,7 @@ typedef struct {
     double    *shown;                    /* radiosity with the estimate */
     uint32_t  *lamp;                     /* [lamps] */
     double    *upto;                     /* [lamps]  share of all power up to and with it */
-    uint32_t   lamps;
+    uint32_t   lamps, samples;
     double     power, at_first;          /* of lamps; luminance: all that was sent out */
     Ray       *ray;                      /* [SHOT_RAYS] */
     Hit       *hit;
@@ -77,6 +80,7 @@ static Shooting *create(Live *live, Error *err)
     s->room = &live->pipeline->room;
     s->count = s->room->patches->count;
     s->shooter = PATCH_NONE;
+    s->samples = LAMP_SAMPLES;
     const size_t n = 3 * (size_t)s->count;
     s->emission = array_create(n, sizeof(double), "first light", err);
     s->reflectance = array_create(n, sizeof(double), "first light", err);
@@ -155,7 +159,7 @@ static Ray lamp_ray(const Shooting *s, uint32_t i, uint32_t sample, Rgb *light)
     if (a > 0 && b > 0 && lamp != i) {
         /* No factor is above 1: without that limit one near point would outshine a room. */
         const double factor = fmin(1, a * b * patches->area[lamp] / (PI * d2 * d2));
-        *light = rgb_scale(rgb(e[0], e[1], e[2]), factor / (share * LAMP_SAMPLES));
+        *light = rgb_scale(rgb(e[0], e[1], e[2]), factor / (share * s->samples));
     }
     return ray_between(from.point.point, from.point.normal, to.point.point, to.point.normal,
                        s->room->offset);
@@ -164,21 +168,22 @@ static Ray lamp_ray(const Shooting *s, uint32_t i, uint32_t sample, Rgb *light)
 static void light_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
 {
     Shooting *s = context;
-    Ray ray[LAMP_SAMPLES];
-    Rgb light[LAMP_SAMPLES];
+    Ray ray[CHUNK * LAMP_SAMPLES] = { 0 };
+    Rgb light[CHUNK * LAMP_SAMPLES];
+    bool blocked[CHUNK * LAMP_SAMPLES];
+    const uint32_t n = (end - begin) * s->samples;
     (void)worker;
-    for (uint32_t i = begin; i < end; i++) {
-        double *out = s->direct + 3 * (size_t)i;
-        bool blocked[LAMP_SAMPLES];
-        for (uint32_t k = 0; k < LAMP_SAMPLES; k++)
-            ray[k] = lamp_ray(s, i, k, &light[k]);
-        bvh_blocked_beam(s->room->bvh, ray, blocked, LAMP_SAMPLES);
-        for (uint32_t k = 0; k < LAMP_SAMPLES; k++)
-            if (!blocked[k]) {
-                out[0] += light[k].r;
-                out[1] += light[k].g;
-                out[2] += light[k].b;
-            }
+    assert(n > 0 && n <= CHUNK * LAMP_SAMPLES);
+    for (uint32_t k = 0; k < n; k++)
+        ray[k] = lamp_ray(s, begin + k / s->samples, k % s->samples, &light[k]);
+    bvh_blocked_many(s->room->bvh, ray, blocked, n);
+    for (uint32_t k = 0; k < n; k++) {
+        double *out = s->direct + 3 * (size_t)(begin + k / s->samples);
+        if (blocked[k])
+            continue;
+        out[0] += light[k].r;
+        out[1] += light[k].g;
+        out[2] += light[k].b;
     }
 }
 
@@ -362,5 +367,69 @@ bool live_shoot(Live *live, Error *err)
         done = shoot_on(s, err);
     }
     clear(s);
+    return done;
+}
+
+/* --- a glance --------------------------------------------------------------------------------- */
+
+/* Sides that the eye is before, and both of what is large: whoever walks about sees walls. */
+static void face_eye(const Pipeline *p, uint8_t *sides)
+{
+    static const double LARGE = 1e-5; /* of all area */
+    const Surfaces *surfaces = p->surfaces;
+    double all = 0;
+    for (uint32_t i = 0; i < surfaces->count; i++)
+        all += surfaces->surface[i].area;
+    for (uint32_t i = 0; i < surfaces->count; i++) {
+        SurfacePoint at;
+        surfaces_point(surfaces, i, 1.0 / 3, 1.0 / 3, &at);
+        const bool flat = surfaces->surface[i].kind != SURFACE_SHAPE;
+        const bool front = vec3_dot(at.normal, vec3_sub(p->camera.eye, at.point)) > 0;
+        sides[i] = !flat || surfaces->surface[i].area > LARGE * all ? 3 : front ? 1 : 2;
+    }
+}
+
+static bool glance(Live *live, Error *err)
+{
+    Pipeline *p = live->pipeline;
+    const PatchOptions po = { .wanted = GLANCE_PATCHES, .sides = p->sides,
+                              .emitting = p->emitting, .separate = true };
+    p->patches = patches_create(p->surfaces, &po, &p->session->monitor, err);
+    if (p->patches == NULL)
+        return false;
+    pipeline_room(p);
+    Shooting *s = create(live, err);
+    if (s == NULL)
+        return false;
+    s->samples = GLANCE_SAMPLES;
+    live_begin(live, "first light", STEP_LIT);
+    const bool done = find_direct(s, err) && publish(s, err);
+    clear(s);
+    return done;
+}
+
+bool live_glance(Live *live, Error *err)
+{
+    Pipeline *p = live->pipeline;
+    const uint32_t count = p->surfaces->count;
+    if (count < GLANCE_SURFACES)
+        return true;
+    p->sides = array_create(count, 1, "sides", err);
+    p->emitting = array_create(count, 1, "sides", err);
+    p->skin = mirrors_skins(p->surfaces, p->scene->polygons.materials, err);
+    bool done = !error_is_set(err);
+    if (done) {
+        face_eye(p, p->sides);
+        memset(p->emitting, 3, count); /* which way lamps shine is found with the sides */
+        done = glance(live, err);
+    }
+    live->mesh = shown_mesh_leave(live->mesh);
+    live->patches = NULL;
+    live->light.radiosity = NULL;
+    p->patches = patches_destroy(p->patches);
+    p->sides = array_free(p->sides);
+    p->emitting = array_free(p->emitting);
+    p->skin = array_free(p->skin);
+    p->room = (Room){ 0 };
     return done;
 }

@@ -78,6 +78,34 @@ wait solved
 END
 ok "paused at once, steps, from the beginning" exits 0 view "$cube" --script "$DIR/steps.txt" "${small[@]}"
 
+# --- a large scene is lit before its patches are known --------------------------------------------
+
+awk 'BEGIN {
+    n = 161
+    print "newmtl ground\nKd 0.5 0.5 0.5\nnewmtl lamp\nKe 9 9 9" > "'"$DIR"'/hills.mtl"
+    print "mtllib hills.mtl\nusemtl ground"
+    for (j = 0; j < n; j++)
+        for (i = 0; i < n; i++)
+            printf "v %g %g %g\n", i / n, j / n, 0.03 * sin(i / 4) * cos(j / 5)
+    for (j = 1; j < n; j++)
+        for (i = 1; i < n; i++) {
+            k = (j - 1) * n + i
+            printf "f %d %d %d\nf %d %d %d\n", k, k + 1, k + n + 1, k, k + n + 1, k + n
+        }
+    print "usemtl lamp\nv 0.3 0.3 1\nv 0.3 0.7 1\nv 0.7 0.7 1\nv 0.7 0.3 1\nf -4 -3 -2 -1"
+}' >"$DIR/hills.obj"
+cat >"$DIR/hills.txt" <<END
+screenshot $DIR/dark.png
+wait lit
+wait frames 2
+screenshot $DIR/glance.png
+key Ctrl-Q
+wait frames 2
+END
+ok "51,000 triangles at a glance" exits 0 view "$DIR/hills.obj" --script "$DIR/hills.txt" \
+    --no-panels "${small[@]}"
+ok "there is light" test "$(stat -c %s "$DIR/glance.png")" -gt "$(stat -c %s "$DIR/dark.png")"
+
 # --- what happens to windows ----------------------------------------------------------------------
 
 cat >"$DIR/lost.txt" <<END
