@@ -52,13 +52,9 @@ ok "time limit before anything" exits 5 solve "$cube" -o "$DIR/late.ply" --time-
     "${fast[@]}"
 ok "still a mesh" test -s "$DIR/late.ply"
 for name in INT TERM; do
-    "$ISOLUX" render "$cube" -o "$DIR/$name.exr" --size 400x400 --spp 4096 --patches 500 \
-        --rays 64 --progress none 2>"$DIR/err" &
-    pid=$!
-    sleep 1.5
-    kill -s "$name" "$pid"
-    wait "$pid"
-    ok "SIG$name: exit code" test $? = 5
+    interrupted "$name" "grep -q gather '$DIR/err'" render "$cube" -o "$DIR/$name.exr" \
+        --size 400x400 --spp 4096 --patches 500 --rays 64 --progress plain
+    ok "SIG$name: exit code" test "$CODE" = 5
     ok "SIG$name: a picture" test -s "$DIR/$name.exr"
 done
 ok "validate with a filter" exits 0 validate --filter cie-5.2

@@ -160,34 +160,37 @@ ok "sizes, scales, minimised" exits 0 view "$cube" --script "$DIR/sizes.txt" "${
 mkdir "$DIR/again"
 make_cube "$DIR/again"
 "$ISOLUX" solve "$DIR/again/cube.obj" "${fast[@]}" --progress none -o "$DIR/again/cube.ply"
+# The window has come to this picture: none comes from one that has ended.
+passed() { timeout 120 cat "$DIR/$1" >"$DIR/null"; }
 # gone FILE: it is taken away while the window is open; later it is back.
 gone() {
     local window file=$1
     shift
-    rm -f "$DIR/now.png" "$DIR/later.png"
     cat >"$DIR/again.txt" <<END
 wait solved
-screenshot $DIR/now.png
-wait frames 200
+screenshot $DIR/solved
+screenshot $DIR/gone
 key F5
 wait said cannot
-screenshot $DIR/later.png
-wait frames 200
+screenshot $DIR/told
+screenshot $DIR/back
 key F5
 wait frames 20
 wait solved
 END
+    # Pictures into pipes: the window waits for who reads them, so that neither is too early.
+    rm -f "$DIR/solved" "$DIR/gone" "$DIR/told" "$DIR/back"
+    mkfifo "$DIR/solved" "$DIR/gone" "$DIR/told" "$DIR/back"
     "$ISOLUX" view "$file" --script "$DIR/again.txt" "$@" >"$DIR/out" 2>"$DIR/err" &
     window=$!
-    for name in now later; do
-        for ((i = 0; i < 600; i++)); do
-            [ -s "$DIR/$name.png" ] && break
-            kill -0 "$window" 2>/dev/null || break
-            sleep 0.05
-        done
-        if [ "$name" = now ]; then mv "$file" "$DIR/away"; else mv "$DIR/away" "$file"; fi
-    done
+    if passed solved && mv "$file" "$DIR/away" && passed gone &&
+        passed told && mv "$DIR/away" "$file" && passed back; then
+        wait "$window"
+        return
+    fi
+    kill -9 "$window" # it may wait for us
     wait "$window"
+    return 1
 }
 ok "a scene that cannot be read again is told" gone "$DIR/again/cube.obj" "${small[@]}"
 ok "and a solution" gone "$DIR/again/cube.ply" --size 240x180 --progress none
