@@ -124,6 +124,11 @@ LANES_INLINE Floats floats_of(Doubles low, Doubles high)
     return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm256_cvtpd_ps(low)),
                                 _mm256_cvtpd_ps(high), 1);
 }
+/* a - b * c, rounded once. */
+LANES_INLINE Doubles doubles_less_product(Doubles a, Doubles b, Doubles c)
+{
+    return _mm256_fnmadd_pd(b, c, a);
+}
 LANES_INLINE Doubles doubles_min(Doubles a, Doubles b) { return _mm256_min_pd(a, b); }
 LANES_INLINE Doubles doubles_max(Doubles a, Doubles b) { return _mm256_max_pd(a, b); }
 LANES_INLINE unsigned doubles_less_equal(Doubles a, Doubles b)

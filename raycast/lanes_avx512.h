@@ -99,6 +99,11 @@ LANES_INLINE Floats floats_of(Doubles low, Doubles high)
     return _mm512_insertf32x8(_mm512_castps256_ps512(_mm512_cvtpd_ps(low)), _mm512_cvtpd_ps(high),
                               1);
 }
+/* a - b * c, rounded once. */
+LANES_INLINE Doubles doubles_less_product(Doubles a, Doubles b, Doubles c)
+{
+    return _mm512_fnmadd_pd(b, c, a);
+}
 LANES_INLINE Doubles doubles_min(Doubles a, Doubles b) { return _mm512_min_pd(a, b); }
 LANES_INLINE Doubles doubles_max(Doubles a, Doubles b) { return _mm512_max_pd(a, b); }
 LANES_INLINE unsigned doubles_less_equal(Doubles a, Doubles b)

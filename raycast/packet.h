@@ -13,8 +13,10 @@
 
 #include "raycast/sort.h"
 
-/* Up to so many rays go on alone: then a node costs a packet more than the rays. */
-#define PACKET_ALONE (LANES / 8)
+/* Up to so many rays go on alone. On trial twice as many, of 16: how many do so tells rays that go
+ * together from those that fall apart. */
+#define PACKET_ALONE 1
+#define PACKET_ALONE_TRIAL (LANES / 8)
 /* From so many rays on it pays to ask first which triangles any of them may hit. */
 #define PACKET_FILTER (LANES / 2)
 /* Subtrees that wait, at most: enough to have work while memory is on its way, few enough that
@@ -32,6 +34,7 @@ typedef struct {
 typedef struct {
     /* of each ray, as in Probe; origin and shear along axis[] */
     Floats   inverse[3], near_add[3], far_add[3], t_min, limit, origin[3], shear[2], reach;
+    Floats   size; /* of the direction along axis[2] */
     Doubles  inverse_z[2];
     /* Best, lane by lane */
     Floats   t, u, v, facing_t, facing_u, facing_v;
@@ -49,6 +52,7 @@ typedef struct {
     unsigned probes;      /* lanes whose walker has its probe */
     unsigned waiting;     /* lanes with something to visit */
     unsigned tasks, alone; /* subtrees that wait; all that ever waited */
+    int      few;         /* up to so many rays go on alone */
     Walker   walker[LANES];
 } Packet;
 
@@ -138,6 +142,7 @@ LANES_INLINE void packet_init(Packet *p, const Bvh *bvh, const Bundle *b)
     p->reach = floats_all(BEST_GRADIENT) * (p->margin[0] + p->margin[1] + p->margin[2])
                * floats_abs(p->inverse[z]);
     p->ranged = false;
+    p->size = floats_abs(d[z]);
 
     const Floats none = floats_all(0);
     p->t = p->facing_t = p->limit = b->field[7];

@@ -6,6 +6,8 @@
 #ifndef RAYCAST_PACKET_LEAF_H
 #define RAYCAST_PACKET_LEAF_H
 
+#include <float.h>
+
 #include "raycast/packet.h"
 
 /* best_offer for the lanes of `ok`, whose hits are at t > t_min and within the limit. */
@@ -75,7 +77,10 @@ LANES_INLINE void packet_solve(Solved *out, const Seen *s, const Doubles inverse
         const Doubles ax = doubles_of(s->x[0], half), ay = doubles_of(s->y[0], half);
         const Doubles bx = doubles_of(s->x[1], half), by = doubles_of(s->y[1], half);
         const Doubles cx = doubles_of(s->x[2], half), cy = doubles_of(s->y[2], half);
-        const Doubles a = cx * by - cy * bx, b = ax * cy - ay * cx, c = bx * ay - by * ax;
+        /* Products of floats are exact: fused or not, the same. */
+        const Doubles a = doubles_less_product(cx * by, cy, bx);
+        const Doubles b = doubles_less_product(ax * cy, ay, cx);
+        const Doubles c = doubles_less_product(bx * ay, by, ax);
         const Doubles sum = a + b + c, scale = doubles_all(1) / sum;
         const unsigned sign = doubles_less_equal(zero, doubles_min(doubles_min(a, b), c))
                               | doubles_less_equal(doubles_max(doubles_max(a, b), c), zero);
@@ -229,6 +234,56 @@ LANES_INLINE unsigned packet_filter(const Range *p, const int axis[3],
         negative = _mm_or_ps(negative, _mm_cmplt_ps(edge, _mm_xor_ps(sign, width)));
     }
     return ~(unsigned)_mm_movemask_ps(_mm_and_ps(positive, negative)) & group_used(group);
+}
+
+/* How deep, along the major axis in the rays' direction, hits of the triangles lie at the least;
+ * *behind: bits of those whose hits all lie before the rays begin.
+ * A hit is a mean of the corners as probe.h moves them, by less than the margin in width[], so it
+ * lies that near to the plane, whose normal in float is off by at most 8 u E^2 in each component,
+ * E the largest extent of two edges: the first from the differences, two products, their
+ * difference. Four times as much covers the roundings of what it is multiplied with, FLT_MIN what
+ * underflows. */
+#define DEPTH_NORMAL (32 * PROBE_ROUNDING)
+#define DEPTH_SLACK (16 * PROBE_ROUNDING)
+
+LANES_INLINE __m128 packet_depths(const Range *p, const int axis[3], bool backward,
+                                  const TriangleGroup *group, unsigned *behind)
+{
+    const __m128 sign = _mm_set1_ps(-0.0f), zero = _mm_setzero_ps();
+    __m128 e[2][3], at[3], extent = zero, far = zero;
+    for (int k = 0; k < 3; k++) {
+        const __m128 corner = _mm_loadu_ps(group->vertex[0][axis[k]]);
+        for (int i = 0; i < 2; i++) {
+            e[i][k] = _mm_sub_ps(_mm_loadu_ps(group->vertex[i + 1][axis[k]]), corner);
+            extent = _mm_max_ps(extent, _mm_andnot_ps(sign, e[i][k]));
+        }
+        at[k] = _mm_sub_ps(corner, _mm_set1_ps(p->middle[k]));
+        far = _mm_add_ps(far, _mm_add_ps(_mm_andnot_ps(sign, at[k]), _mm_set1_ps(p->width[k])));
+    }
+    const __m128 least_off = _mm_set1_ps(FLT_MIN);
+    const __m128 off = _mm_fmadd_ps(_mm_set1_ps(DEPTH_NORMAL), _mm_mul_ps(extent, extent),
+                                    least_off);
+    __m128 n[3], high = zero, wide = _mm_fmadd_ps(off, far, least_off);
+    for (int k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        n[k] = _mm_fmsub_ps(e[0][i], e[1][j], _mm_mul_ps(e[0][j], e[1][i]));
+        high = _mm_fmadd_ps(n[k], at[k], high);
+        wide = _mm_fmadd_ps(_mm_andnot_ps(sign, n[k]), _mm_set1_ps(p->width[k]), wide);
+    }
+    __m128 slope = n[2], around = _mm_mul_ps(off, _mm_set1_ps(4));
+    for (int k = 0; k < 2; k++) {
+        slope = _mm_fmadd_ps(n[k], _mm_set1_ps(p->shear_middle[k]), slope);
+        around = _mm_fmadd_ps(_mm_andnot_ps(sign, n[k]), _mm_set1_ps(p->shear_width[k]), around);
+    }
+    /* Depths are |high| / |slope| in the rays' direction, or nothing is there. */
+    const __m128 turn = _mm_xor_ps(_mm_and_ps(sign, slope), _mm_set1_ps(backward ? -0.0f : 0.0f));
+    const __m128 ahead = _mm_xor_ps(high, turn), size = _mm_andnot_ps(sign, slope);
+    const __m128 least = _mm_max_ps(_mm_sub_ps(ahead, wide), zero);
+    const __m128 most = _mm_add_ps(size, around);
+    *behind = (unsigned)_mm_movemask_ps(_mm_and_ps(
+        _mm_cmplt_ps(_mm_add_ps(ahead, wide), zero), _mm_cmplt_ps(around, size)));
+    /* Of two numbers max gives the second when the first is NaN, after overflow. */
+    return _mm_max_ps(_mm_mul_ps(_mm_div_ps(least, most), _mm_set1_ps(1 - DEPTH_SLACK)), zero);
 }
 
 LANES_INLINE void packet_leaf(Packet *p, const Bvh *bvh, uint32_t leaf, unsigned lanes, bool any)

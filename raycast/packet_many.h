@@ -67,7 +67,7 @@ LANES_INLINE void packet_told(Packet *p, const Bvh *bvh, const Bundle *b, unsign
 /* The next up to LANES rays; `order` NULL: one after the other. Returns how many subtrees were
  * walked by one ray alone. */
 LANES_INLINE unsigned packet_some(const Bvh *bvh, const Ray *ray, const uint32_t *order,
-                                  size_t count, Hit *hit, bool *blocked)
+                                  size_t count, int few, Hit *hit, bool *blocked)
 {
     Bundle b;
     Packet p;
@@ -78,6 +78,7 @@ LANES_INLINE unsigned packet_some(const Bvh *bvh, const Ray *ray, const uint32_t
         const unsigned lanes = packet_kind(&p, &b, left);
         left &= ~lanes;
         packet_init(&p, bvh, &b);
+        p.few = few;
         packets_range(&p, &lanes, 1, &p.range);
         packet_walk(&p, bvh, &b, lanes, 0, &p.t_min, hit == NULL);
         alone += p.alone;
@@ -95,8 +96,8 @@ LANES_INLINE unsigned packet_some(const Bvh *bvh, const Ray *ray, const uint32_t
 }
 
 /* TEAM * LANES rays when they are all of one kind; false: nothing was done. */
-LANES_INLINE bool team_some(const Bvh *bvh, const Ray *ray, const uint32_t *order, Hit *hit,
-                            bool *blocked, unsigned *alone)
+LANES_INLINE bool team_some(const Bvh *bvh, const Ray *ray, const uint32_t *order, int few,
+                            Hit *hit, bool *blocked, unsigned *alone)
 {
     const unsigned all = (unsigned)((UINT64_C(1) << LANES) - 1);
     Team t;
@@ -110,8 +111,10 @@ LANES_INLINE bool team_some(const Bvh *bvh, const Ray *ray, const uint32_t *orde
     }
     if (hit != NULL && bvh->shape_count == 0 && beam_takes(&t) && beam_some(&t, bvh, hit, order))
         return true;
-    for (unsigned i = 0; i < TEAM; i++)
+    for (unsigned i = 0; i < TEAM; i++) {
         packet_init(&t.packet[i], bvh, &t.bundle[i]);
+        t.packet[i].few = few;
+    }
     packets_range(t.packet, t.lanes, TEAM, &t.range);
     team_walk(&t, bvh, hit == NULL);
     for (unsigned i = 0; i < TEAM; i++) {
@@ -128,7 +131,7 @@ LANES_INLINE bool team_some(const Bvh *bvh, const Ray *ray, const uint32_t *orde
 
 /* Rays begin..end-1 in teams and packets; subtrees walked alone. */
 LANES_INLINE unsigned packet_run(const Bvh *bvh, const Ray *ray, const uint32_t *order,
-                                 size_t begin, size_t end, Hit *hit, bool *blocked)
+                                 size_t begin, size_t end, int few, Hit *hit, bool *blocked)
 {
     /* Segments between any points have less in common than the rays of a tile or a beam. */
     const bool teams = hit != NULL || order == NULL;
@@ -139,10 +142,10 @@ LANES_INLINE unsigned packet_run(const Bvh *bvh, const Ray *ray, const uint32_t 
         const uint32_t *places = order != NULL ? order + i : NULL;
         Hit *hits = hit != NULL ? hit + at : NULL;
         bool *seen = hit != NULL ? NULL : blocked + at;
-        if (teams && end - i >= step && team_some(bvh, ray + i, places, hits, seen, &alone))
+        if (teams && end - i >= step && team_some(bvh, ray + i, places, few, hits, seen, &alone))
             continue;
         step = LANES;
-        alone += packet_some(bvh, ray + i, places, end - i, hits, seen);
+        alone += packet_some(bvh, ray + i, places, end - i, few, hits, seen);
     }
     return alone;
 }
@@ -161,11 +164,12 @@ LANES_INLINE void packets_trace(const Bvh *bvh, const Ray *ray, const uint32_t *
     for (size_t i = 0; i < count; i += STRETCH) {
         const size_t end = count - i < STRETCH ? count : i + STRETCH;
         const size_t trial = end - i < STRETCH_TRIAL ? end : i + STRETCH_TRIAL;
-        const unsigned alone = packet_run(bvh, ray, order, i, trial, hit, blocked);
+        const unsigned alone = packet_run(bvh, ray, order, i, trial, PACKET_ALONE_TRIAL, hit,
+                                          blocked);
         if (trial == end)
             continue;
         if (alone <= (hit != NULL && order != NULL ? HERD_ALONE : STRETCH_ALONE))
-            packet_run(bvh, ray, order, trial, end, hit, blocked);
+            packet_run(bvh, ray, order, trial, end, PACKET_ALONE, hit, blocked);
         else if (hit != NULL && order != NULL)
             herds_nearest(bvh, ray + trial, order + trial, end - trial, hit);
         else if (order != NULL)
@@ -193,8 +197,9 @@ static void packets_blocked(const Bvh *bvh, const Ray *ray, const uint32_t *orde
     const size_t trial = count < STRETCH_TRIAL ? count : STRETCH_TRIAL;
     if (order == NULL || bvh->bytes >= CROWD_TREE) {
         packets_trace(bvh, ray, order, count, NULL, blocked);
-    } else if (packet_run(bvh, ray, order, 0, trial, NULL, blocked) <= SEGMENTS_ALONE) {
-        packet_run(bvh, ray, order, trial, count, NULL, blocked);
+    } else if (packet_run(bvh, ray, order, 0, trial, PACKET_ALONE_TRIAL, NULL, blocked)
+               <= SEGMENTS_ALONE) {
+        packet_run(bvh, ray, order, trial, count, PACKET_ALONE, NULL, blocked);
     } else {
         crowds_blocked(bvh, ray + trial, order + trial, count - trial, blocked);
     }

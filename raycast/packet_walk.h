@@ -94,7 +94,7 @@ LANES_INLINE void packet_walk(Packet *p, const Bvh *bvh, const Bundle *b, unsign
         const uint32_t child = stack.child[stack.top];
         if (here == 0)
             continue;
-        if ((unsigned)__builtin_popcount(here) <= PACKET_ALONE || child_is_shape(child))
+        if (__builtin_popcount(here) <= p->few || child_is_shape(child))
             packet_alone(p, bvh, b, child, &stack.near[stack.top], here, any);
         else if (child_is_leaf(child))
             packet_leaf(p, bvh, child, here, any);

@@ -2,9 +2,10 @@
 /* raycast/team.h -- several packets of one kind through the tree together.
  *
  * What costs the same for one ray and for many is done once for all of them: boxes and triangles
- * are tested against the ranges of the whole team before any ray is asked, and a packet of which no
- * ray is left in a subtree is passed over. A subtree that only one packet reaches is walked by that
- * packet.
+ * are tested against the ranges of the whole team before any ray is asked, triangles also for their
+ * depth: most rays start on a surface, whose triangles would else be decided in double for each
+ * packet. A packet of which no ray is left in a subtree is passed over. A subtree that only one
+ * packet reaches is walked by that packet.
  */
 #ifndef RAYCAST_TEAM_H
 #define RAYCAST_TEAM_H
@@ -72,14 +73,23 @@ LANES_INLINE void team_leaf(Team *t, const Bvh *bvh, uint32_t leaf, const unsign
     for (uint32_t g = begin; g < end; g++) {
         const TriangleGroup *group = &bvh->group[g];
         unsigned left = packet_filter(&t->range, t->packet[0].axis, group);
-        for (; left != 0; left &= left - 1)
+        if (left == 0)
+            continue;
+        _Alignas(16) float depth[GROUP_WIDTH];
+        unsigned behind;
+        _mm_store_ps(depth, packet_depths(&t->range, t->packet[0].axis, t->packet[0].backward,
+                                          group, &behind));
+        left &= ~behind;
+        for (; left != 0; left &= left - 1) {
+            const unsigned k = (unsigned)__builtin_ctz(left);
             for (unsigned i = 0; i < TEAM; i++) {
                 Packet *p = &t->packet[i];
-                const unsigned here = any ? lanes[i] & ~p->blocked : lanes[i];
+                unsigned here = any ? lanes[i] & ~p->blocked : lanes[i];
+                here &= floats_less_equal(floats_all(depth[k]), p->limit * p->size);
                 if (here != 0)
-                    packet_triangle(p, group, (unsigned)__builtin_ctz(left), g * GROUP_WIDTH, here,
-                                    any);
+                    packet_triangle(p, group, k, g * GROUP_WIDTH, here, any);
             }
+        }
     }
 }
 
@@ -109,7 +119,7 @@ LANES_INLINE void team_walk(Team *t, const Bvh *bvh, bool any)
     }
     while (stack.top > 0) {
         const uint32_t at = --stack.top, child = stack.child[at];
-        const int few = child_is_shape(child) ? (int)LANES : (int)PACKET_ALONE;
+        const int few = child_is_shape(child) ? (int)LANES : t->packet[0].few;
         unsigned lanes[TEAM], packets = 0, last = 0;
         for (unsigned i = 0; i < TEAM; i++) {
             const Packet *p = &t->packet[i];
