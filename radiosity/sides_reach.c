@@ -31,8 +31,9 @@ enum { RAYS_ON = 8, RAYS_ON_LEAST = 4, BLOCK = 4096, SIDE_CHUNK = 64 };
 enum { ROUNDS_FULL = 3, ROUNDS_MAX = 64, ROUND_RAYS = 4, IDLE_MOST = 3 };
 static const double ROUND_SHARE[ROUNDS_FULL] = { 1.0 / 16, 3.0 / 16, 12.0 / 16 };
 
-/* Rays by which one face of a connected part looks back in a round while none of it is in reach: the
- * insides of furniture are many small triangles, and what all of them together do not see, none does.
+/* Rays by which one face of a connected part looks back in a round while none of it is in reach:
+ * the insides of furniture are many small triangles, and what all of them together do not see, none
+ * does.
  * Something seen on more than a thousandth of it is missed once in 60 times. */
 enum { PART_RAYS = 4096 };
 
@@ -474,6 +475,7 @@ typedef struct {
     uint32_t *met;       /* [2 * surfaces * MET]  other sides it saw in vain; SIDE_NONE: none */
     uint8_t  *waits;     /* [2 * surfaces]  others of its part looked for it */
     uint32_t *size;      /* [parts]  surfaces of each */
+    uint32_t *rank;      /* [surfaces]  which of its part's */
     uint32_t  before, rays;  /* rays of earlier rounds, of this one */
     uint32_t  round, first;  /* first: side that a block begins with */
 } Back;
@@ -496,7 +498,8 @@ static bool is_looked_for(const Back *back, uint32_t side)
     const Reach *reach = back->reach;
     const uint64_t rays = (uint64_t)back->size[reach->surfaces->part[side / 2]] * back->rays;
     const uint64_t each = (rays + PART_RAYS - 1) / PART_RAYS; /* one side in so many looks */
-    return back->round < ROUNDS_FULL && !is_entered(reach, side) && side / 2 % each != 0;
+    return back->round < ROUNDS_FULL && back->rank[side / 2] % each != 0 &&
+           !is_entered(reach, side);
 }
 
 /* After the first rounds only a side that saw one that has come into use since, or a part in doubt
@@ -605,9 +608,10 @@ bool reach_spread(Reach *reach, Error *err)
     back.met = array_create((size_t)sides * MET, sizeof *back.met, what, err);
     back.waits = array_create(sides, sizeof *back.waits, what, err);
     back.size = array_create(reach->surfaces->part_count, sizeof *back.size, what, err);
+    back.rank = array_create(reach->surfaces->count, sizeof *back.rank, what, err);
     const bool made = !error_is_set(err);
     for (uint32_t k = 0; made && k < reach->surfaces->count; k++)
-        back.size[reach->surfaces->part[k]]++;
+        back.rank[k] = back.size[reach->surfaces->part[k]]++;
     for (size_t k = 0; made && k < (size_t)sides * MET; k++)
         back.met[k] = SIDE_NONE;
     bool done = made;
@@ -626,6 +630,7 @@ bool reach_spread(Reach *reach, Error *err)
     array_free(back.met);
     array_free(back.waits);
     array_free(back.size);
+    array_free(back.rank);
     if (made && !done)
         error_set(err, ERROR_STOPPED, "stopped while looking for sides in sight");
     return done;
