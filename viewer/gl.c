@@ -19,7 +19,7 @@ static const float LINE_NEARER = 1.0f / (1 << 11);
 
 typedef enum {
     SMOOTH_PROGRAM, FLAT_PROGRAM, FALSE_SMOOTH_PROGRAM, FALSE_FLAT_PROGRAM, BACK_PROGRAM,
-    RESOLVE_PROGRAM, LINE_PROGRAM, PICTURE_PROGRAM, PROGRAM_COUNT
+    RESOLVE_PROGRAM, RESOLVE_LIGHT_PROGRAM, LINE_PROGRAM, PICTURE_PROGRAM, PROGRAM_COUNT
 } ProgramId;
 typedef enum {
     POSITIONS, LIGHT, CORNERS, EDGES, PATCH_OF, PATCH_LIGHT, RAYS, PATCH_VALUE,
@@ -37,7 +37,9 @@ struct Gl {
     GLuint canvas_light, canvas_depth;
     int    canvas_width, canvas_height;
     GLuint still, still_colour;     /* frame buffer with the last frame, and its texture */
-    bool   still_good;              /* it shows what is held now, as `seen` says: */
+    int    still_width, still_height;
+    bool   still_good;              /* it shows what was drawn last: */
+    bool   seen_good;               /* what is held now, as `seen` says */
     GlView seen;
     FalseMap seen_map;
     ShownMesh *mesh;                /* a reference to what the buffers hold */
@@ -97,6 +99,7 @@ static void create_programs(Gl *gl, Error *err)
     gl->program[FALSE_FLAT_PROGRAM] = link_program(face, shader_false_flat_fragment, err);
     gl->program[BACK_PROGRAM] = link_program(face, shader_back_fragment, err);
     gl->program[RESOLVE_PROGRAM] = link_program(whole, shader_resolve_fragment, err);
+    gl->program[RESOLVE_LIGHT_PROGRAM] = link_program(whole, shader_resolve_light_fragment, err);
     gl->program[LINE_PROGRAM] = link_program(shader_line_vertex, shader_line_fragment, err);
     gl->program[PICTURE_PROGRAM] = link_program(whole, shader_picture_fragment, err);
 }
@@ -242,7 +245,7 @@ static bool take_rays(Gl *gl, const Snapshot *snapshot, Error *err)
 bool gl_take(Gl *gl, const Snapshot *snapshot, Layer layer, Error *err)
 {
     assert(gl != NULL && (unsigned)layer < LAYER_COUNT);
-    gl->still_good = false;
+    gl->seen_good = false;
     const size_t patches = snapshot->mesh->patch_count;
     const float *value = snapshot->layer[layer];
     if (snapshot->mesh != gl->mesh && !take_mesh(gl, snapshot->mesh, err))
@@ -274,7 +277,7 @@ static void copy_values(const float *value, size_t count, float *out)
 bool gl_take_values(Gl *gl, const float *patch, const float *vertex, Error *err)
 {
     assert(gl->mesh != NULL);
-    gl->still_good = false;
+    gl->seen_good = false;
     const size_t patches = gl->mesh->patch_count, vertices = gl->mesh->vertex_count;
     if (!reserve(gl, patches > vertices ? patches : vertices, err))
         return false;
@@ -291,7 +294,7 @@ bool gl_take_values(Gl *gl, const float *patch, const float *vertex, Error *err)
 void gl_take_picture(Gl *gl, const float *pixel, int width, int height)
 {
     assert(pixel != NULL && width > 0 && height > 0);
-    gl->still_good = false;
+    gl->seen_good = false;
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_2D, gl->picture);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -350,21 +353,33 @@ static void begin_canvas(Gl *gl, const GlView *view)
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }
 
-/* And from there into the window, with its depth. */
+/* Whether anything is drawn behind or before the patches after them. */
+static bool needs_depth(const Gl *gl, const GlView *view)
+{
+    return view->backs != BACKS_HIDDEN || view->outlines || view->gathered ||
+           view->picked != PATCH_NONE || (view->rays && gl->ray_count > 0);
+}
+
+/* And from there into the window, with its depth where that is asked for. */
 static void show_canvas(const Gl *gl, const GlView *view)
 {
-    const ProgramId p = RESOLVE_PROGRAM;
+    const bool deep = needs_depth(gl, view);
+    const ProgramId p = deep ? RESOLVE_PROGRAM : RESOLVE_LIGHT_PROGRAM;
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glUseProgram(gl->program[p]);
     glUniform1f(uniform(gl, p, "scale"), 1);
     glUniform1i(uniform(gl, p, "tone"), (int)view->tone);
     give_texture(gl, p, "picture", 0, GL_TEXTURE_2D, gl->canvas_light);
-    give_texture(gl, p, "depth", 1, GL_TEXTURE_2D, gl->canvas_depth);
+    if (deep)
+        give_texture(gl, p, "depth", 1, GL_TEXTURE_2D, gl->canvas_depth);
+    else
+        glDisable(GL_DEPTH_TEST); /* nor is it written then */
     glDisable(GL_CULL_FACE);
     glDepthFunc(GL_ALWAYS);
     glBindVertexArray(gl->none);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glDepthFunc(GL_LEQUAL);
+    glEnable(GL_DEPTH_TEST);
 }
 
 static void set_scale(const Gl *gl, ProgramId p, const FalseMap *map)
@@ -527,10 +542,10 @@ static void draw_scene(Gl *gl, const GlView *view)
 /* --- the last frame again --------------------------------------------------------------------- */
 
 /* Bytes that pad may differ: then it is drawn once more, which is no harm. */
-static bool is_still(const Gl *gl, const GlView *view)
+static bool is_same(const Gl *gl, const GlView *view)
 {
     const GlView a = gl->seen, b = *view;
-    if (!gl->still_good || (a.map == NULL) != (b.map == NULL) ||
+    if (!gl->seen_good || (a.map == NULL) != (b.map == NULL) ||
         memcmp(&a.camera, &b.camera, sizeof a.camera) != 0 ||
         (b.map != NULL && memcmp(&gl->seen_map, b.map, sizeof *b.map) != 0))
         return false;
@@ -549,20 +564,29 @@ static void copy_colours(const GlView *view, GLuint from, GLuint to)
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
+/* A copy of what was drawn: while the view moves it would be for nothing. */
 static void keep_still(Gl *gl, const GlView *view)
 {
-    if (gl->seen.width != view->width || gl->seen.height != view->height) {
+    if (gl->still_width != view->width || gl->still_height != view->height) {
         texture_texels(gl->still_colour, GL_RGBA8, view->width, view->height, GL_RGBA,
                        GL_UNSIGNED_BYTE);
         glBindFramebuffer(GL_FRAMEBUFFER, gl->still);
         glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D,
                                gl->still_colour, 0);
+        gl->still_width = view->width;
+        gl->still_height = view->height;
     }
     copy_colours(view, 0, gl->still);
+    gl->still_good = true;
+}
+
+static void note_seen(Gl *gl, const GlView *view)
+{
     gl->seen = *view;
     if (view->map != NULL)
         gl->seen_map = *view->map;
-    gl->still_good = true;
+    gl->seen_good = true;
+    gl->still_good = false;
 }
 
 void gl_draw(Gl *gl, const GlView *view)
@@ -571,7 +595,8 @@ void gl_draw(Gl *gl, const GlView *view)
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glViewport(0, 0, view->width, view->height);
     glDisable(GL_SCISSOR_TEST);
-    if (gl->mesh != NULL && is_still(gl, view)) {
+    const bool same = gl->mesh != NULL && is_same(gl, view);
+    if (same && gl->still_good) {
         copy_colours(view, gl->still, 0);
         return;
     }
@@ -581,7 +606,10 @@ void gl_draw(Gl *gl, const GlView *view)
     if (gl->mesh == NULL)
         return;
     draw_scene(gl, view);
-    keep_still(gl, view);
+    if (same)
+        keep_still(gl, view);
+    else
+        note_seen(gl, view);
 }
 
 void gl_read(int width, int height, uint8_t *rgb)

@@ -115,6 +115,17 @@ const char *const shader_resolve_fragment =
     "    colour = vec4(shown(v.rgb), 1);\n"
     "}\n";
 
+/* The same where no line comes after it that faces could hide. */
+const char *const shader_resolve_light_fragment =
+    "#version 330 core\n"
+    TONE
+    "uniform sampler2D picture; out vec4 colour;\n"
+    "void main() {\n"
+    "    vec4 v = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);\n"
+    "    if (v.a < 0.5) discard;\n"
+    "    colour = vec4(shown(v.rgb), 1);\n"
+    "}\n";
+
 const char *const shader_line_vertex =
     "#version 330 core\n"
     "layout(location = 0) in vec3 place;\n"
