@@ -96,6 +96,61 @@ static inline bool groups_decide(const TriangleGroup *group, const Sheared *s, c
     return found;
 }
 
+static inline __m256 abs_avx2(__m256 a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a); }
+
+/* On which side of `end` hits lie: positive beyond, negative before, 0 where float does not know.
+ * With q_i the corners' t less `end` and edge functions e_i of one sign, t - end has the sign of
+ * the sum of e_i q_i over that of e_i. In float an e_i is off by 4 u |x| |y|, the largest there
+ * are, q_i and the sum with its products by 8 u |e_i| (|t_i| + end), t itself by u end: both
+ * bounds are doubled. What is smaller than FLT_MIN may have lost digits, t too. */
+#define SIDE_T_MIN 0x1p-100f
+
+static inline __m256 groups_side(const __m256 e[3], const __m256 t[3], __m256 area, __m256 off,
+                                 float end)
+{
+    const __m256 sign = _mm256_set1_ps(-0.0f), at = _mm256_set1_ps(end);
+    __m256 q[3];
+    for (int i = 0; i < 3; i++)
+        q[i] = _mm256_sub_ps(t[i], at);
+    const __m256 sum = _mm256_fmadd_ps(e[0], q[0], _mm256_fmadd_ps(e[1], q[1],
+                                                                   _mm256_mul_ps(e[2], q[2])));
+    const __m256 far = _mm256_add_ps(_mm256_add_ps(abs_avx2(q[0]), abs_avx2(q[1])),
+                                     abs_avx2(q[2]));
+    /* |t_i| + end <= |q_i| + 2 end; with the factor below, FLT_MIN and more of t. */
+    const __m256 reach = _mm256_add_ps(far, _mm256_set1_ps(2 * end + SIDE_T_MIN));
+    const __m256 rounding = _mm256_mul_ps(abs_avx2(area), _mm256_set1_ps(2 * SURE_ROUNDING));
+    const __m256 width = _mm256_fmadd_ps(off, far, _mm256_fmadd_ps(rounding, reach,
+                                                                   _mm256_set1_ps(FLT_MIN)));
+    const __m256 known = _mm256_cmp_ps(abs_avx2(sum), width, _CMP_GT_OQ);
+    const __m256 side = _mm256_xor_ps(sum, _mm256_and_ps(sign, area));
+    return _mm256_and_ps(known, side);
+}
+
+/* Of `lanes`, whose edge functions are of one strict sign, those that are left to be decided; adds
+ * those that are hit between t_min and `limit` to *sure. */
+static inline unsigned groups_settle(const Sheared *s, const __m256 e[3], const Probe *p,
+                                     unsigned lanes, float limit, unsigned *sure)
+{
+    const __m256 zero = _mm256_setzero_ps(), inverse = _mm256_set1_ps(p->inverse[p->axis[2]]);
+    __m256 t[3], x = zero, y = zero;
+    for (int i = 0; i < 3; i++) {
+        t[i] = _mm256_mul_ps(s->z[i], inverse);
+        x = _mm256_max_ps(x, abs_avx2(s->x[i]));
+        y = _mm256_max_ps(y, abs_avx2(s->y[i]));
+    }
+    const __m256 area = _mm256_add_ps(_mm256_add_ps(e[0], e[1]), e[2]);
+    const __m256 off = _mm256_fmadd_ps(_mm256_set1_ps(8 * PROBE_ROUNDING), _mm256_mul_ps(x, y),
+                                       _mm256_set1_ps(FLT_MIN));
+    const __m256 begin = groups_side(e, t, area, off, p->t_min);
+    const __m256 end = groups_side(e, t, area, off, limit);
+    const __m256 out = _mm256_or_ps(_mm256_cmp_ps(begin, zero, _CMP_LT_OQ),
+                                    _mm256_cmp_ps(end, zero, _CMP_GT_OQ));
+    const __m256 in = _mm256_and_ps(_mm256_cmp_ps(begin, zero, _CMP_GT_OQ),
+                                    _mm256_cmp_ps(end, zero, _CMP_LT_OQ));
+    *sure |= (unsigned)_mm256_movemask_ps(in) & lanes;
+    return lanes & ~(unsigned)_mm256_movemask_ps(_mm256_or_ps(in, out));
+}
+
 /* What float says of eight triangles: bits of those that may be hit, and with `any` of those that
  * surely are. */
 static inline unsigned groups_filter(const Sheared *s, const Probe *p, unsigned used, bool any,
@@ -120,7 +175,11 @@ static inline unsigned groups_filter(const Sheared *s, const Probe *p, unsigned 
         _mm256_cmp_ps(s->from, _mm256_set1_ps(begin), _CMP_GT_OQ),
         _mm256_cmp_ps(s->to, _mm256_set1_ps(limit * (1 - SURE_ROUNDING)), _CMP_LT_OQ));
     *sure = (unsigned)_mm256_movemask_ps(_mm256_and_ps(strict, inside)) & lanes;
-    return lanes;
+    const unsigned left = lanes & ~*sure, clear = (unsigned)_mm256_movemask_ps(strict) & left;
+    if (*sure != 0 || clear == 0)
+        return lanes;
+    const __m256 e[3] = { e0, e1, e2 };
+    return (left & ~clear) | groups_settle(s, e, p, clear, limit, sure) | *sure;
 }
 
 static inline bool groups_test(const TriangleGroup *group, uint32_t count, const Probe *p,
