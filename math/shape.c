@@ -184,6 +184,17 @@ double shape_density(const Shape *shape, double u, double v)
     return shape_local_weight(shape, v) * vec3_length(n);
 }
 
+void shape_all_at(const Shape *shape, double u, double v, Vec3 *point, Vec3 *normal,
+                  double *density)
+{
+    assert(shape != NULL && point != NULL && normal != NULL && density != NULL);
+    const Vec3 p = shape_local_point(shape, u, v);
+    const Vec3 n = shape->kind == SHAPE_SPHERE ? p : shape_local_normal(shape, u, v);
+    *point = affine_point(&shape->to_world, p);
+    *normal = vec3_unit(affine_normal(&shape->to_local, n));
+    *density = shape_local_weight(shape, v) * vec3_length(shape_cofactor(&shape->to_world, n));
+}
+
 void shape_parameters(const Shape *shape, Vec3 p, double *u, double *v)
 {
     assert(shape != NULL && u != NULL && v != NULL);

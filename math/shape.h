@@ -43,6 +43,9 @@ Vec3 shape_point(const Shape *shape, double u, double v);
 Vec3 shape_normal(const Shape *shape, double u, double v);
 /* |dP/du x dP/dv|: area per unit of (u, v). */
 double shape_density(const Shape *shape, double u, double v);
+/* All three at once, bit for bit: sooner. */
+void shape_all_at(const Shape *shape, double u, double v, Vec3 *point, Vec3 *normal,
+                  double *density);
 /* Area of the part u0..u1, v0..v1 by adaptive Gauss-Legendre quadrature, relative error < 1e-9. */
 double shape_area(const Shape *shape, double u0, double u1, double v0, double v1);
 /* How far p is outside of the shape, measured in its unit form: < 0 inside. A frustum's coat goes
@@ -60,6 +63,7 @@ void shape_parameters(const Shape *shape, Vec3 p, double *u, double *v);
 
 typedef struct {
     double t, u, v;
+    bool   front; /* the ray goes against the normal there */
 } ShapeHit;
 
 /* Nearest hit with t_min < t < t_max; both sides count; a NaN gives no hit. */

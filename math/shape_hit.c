@@ -77,6 +77,22 @@ static bool local_first(const Shape *shape, const LocalRay *ray, double *s)
     return torus_first(ray, shape->ratio, s);
 }
 
+/* Whether a ray that meets the unit form at p comes from outside. Normals map so that their product
+ * with a direction keeps its sign (shape.c); lengths do not count. */
+static bool from_outside(const Shape *shape, Vec3 p, Vec3 d)
+{
+    if (shape->kind == SHAPE_SPHERE)
+        return vec3_dot(p, d) < 0;
+    if (shape->kind == SHAPE_DISC)
+        return d.z < 0;
+    const double r = sqrt(p.x * p.x + p.y * p.y);
+    if (shape->kind == SHAPE_FRUSTUM) /* at a cone's tip the normal with u = 0 */
+        return (r > 0 ? p.x * d.x + p.y * d.y : d.x) +
+               (r > 0 ? r : 1) * (1 - shape->ratio) * d.z < 0;
+    const double off = 1 - 1 / r; /* from the ring: r >= 1 - ratio > 0 */
+    return off * (p.x * d.x + p.y * d.y) + p.z * d.z < 0;
+}
+
 bool shape_intersect(const Shape *shape, Vec3 origin, Vec3 direction, double t_min, double t_max,
                      ShapeHit *hit)
 {
@@ -96,6 +112,8 @@ bool shape_intersect(const Shape *shape, Vec3 origin, Vec3 direction, double t_m
     if (!local_first(shape, &ray, &s))
         return false;
     hit->t = ray.shift + s;
-    shape_local_parameters(shape, vec3_mad(ray.origin, s, ray.direction), &hit->u, &hit->v);
+    const Vec3 p = vec3_mad(ray.origin, s, ray.direction);
+    hit->front = from_outside(shape, p, ray.direction);
+    shape_local_parameters(shape, p, &hit->u, &hit->v);
     return true;
 }

@@ -44,9 +44,7 @@ void surfaces_point(const Surfaces *surfaces, uint32_t surface, double s, double
     const Surface *f = &surfaces->surface[surface];
     if (f->kind == SURFACE_SHAPE) {
         const Shape *shape = &surfaces->shape[f->primitive - surfaces->triangle_count];
-        out->point = shape_point(shape, s, t);
-        out->normal = shape_normal(shape, s, t);
-        out->density = shape_density(shape, s, t);
+        shape_all_at(shape, s, t, &out->point, &out->normal, &out->density);
         out->primitive = f->primitive;
     } else if (f->kind == SURFACE_TRIANGLE) {
         triangle_point(surfaces, f->primitive, s, t, out);

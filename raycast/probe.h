@@ -168,8 +168,7 @@ static inline bool probe_shape(const Ray *ray, const Probe *p, const Shape *shap
         t = nextafterf(ray->t_max, 0);
     if (!(t > ray->t_min && t <= best->limit))
         return false;
-    const Vec3 n = shape_normal(shape, hit.u, hit.v);
-    const uint32_t side = vec3_dot(n, vec3(ray->dx, ray->dy, ray->dz)) < 0 ? 0 : BEST_BACK;
+    const uint32_t side = hit.front ? 0 : BEST_BACK;
     const Candidate found = { .t = t, .u = (float)hit.u, .v = (float)hit.v,
                               .key = primitive | side, .place = 0 };
     return best_offer(best, p->reach, &found);

@@ -89,19 +89,24 @@ static bool glass(const Room *room, const Material *material, const RoomHit *hit
     return rgb_max(*weight) > 0;
 }
 
-bool specular_split(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in, bool across,
-                    Ray *ray, Rgb *weight)
+unsigned specular_ways(const Room *room, const Material *m, const RoomHit *hit, Vec3 normal,
+                       Vec3 in, Ray ray[2], Rgb weight[2])
 {
-    const Material *m = lamps_material(room, hit->surface, hit->side);
     assert(mirrors_is(m));
-    double       eta = 1;
-    const bool   clear = rgb_max(m->transmittance) > 0;
+    const bool clear = rgb_max(m->transmittance) > 0;
+    ray[0] = back_from(room, hit, normal, in);
+    weight[0] = m->specular;
+    if (!clear)
+        return 1;
+    double       eta;
     const double cosine = cosine_in(in, normal);
-    const double f = clear ? glass_back(room, m, hit, cosine, &eta) : 0;
-    *weight = across ? rgb_scale(m->transmittance, 1 - f) : clear ? rgb(f, f, f) : m->specular;
-    *ray = across ? across_to(room, hit, normal, in, cosine, eta)
-                  : back_from(room, hit, normal, in);
-    return rgb_max(*weight) > 0;
+    const double f = glass_back(room, m, hit, cosine, &eta);
+    weight[0] = rgb(f, f, f);
+    if (!(f < 1))
+        return 1; /* total reflection */
+    weight[1] = rgb_scale(m->transmittance, 1 - f);
+    ray[1] = across_to(room, hit, normal, in, cosine, eta);
+    return 2;
 }
 
 bool specular_continue(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in,

@@ -21,9 +21,10 @@ bool specular_continue(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 i
 /* Whether the way on leads unbent through a pane. */
 bool specular_is_straight(const Room *room, const RoomHit *hit, const Material *m, const Ray *on);
 
-/* The same without chance, of mirrors and glass alone: the way back, or across. */
-bool specular_split(const Room *room, const RoomHit *hit, Vec3 normal, Vec3 in, bool across,
-                    Ray *ray, Rgb *weight);
+/* The same without chance, of mirrors and glass alone: the way back, and across if there is one,
+ * and what each counts. material: what stands there. Returns how many. */
+unsigned specular_ways(const Room *room, const Material *material, const RoomHit *hit, Vec3 normal,
+                       Vec3 in, Ray ray[2], Rgb weight[2]);
 
 /* What happened to a ray that gathers light on its way (specular_follow). */
 typedef struct {

@@ -10,12 +10,12 @@
 #include "base/array.h"
 #include "base/parallel.h"
 #include "math/sampling.h"
-#include "radiosity/mirrors.h"
 #include "render/clear.h"
+#include "render/internal.h"
 #include "render/normals.h"
-#include "render/path_internal.h"
 #include "render/rough.h"
 #include "render/specular.h"
+#include "render/whitted_spot.h"
 
 enum { TILE = 16, BATCH = TILE * TILE, DEPTH_DEFAULT = 5, SEED_LENS = 8 };
 
@@ -35,7 +35,8 @@ typedef struct {
     bool     blocked[BATCH];
     Rgb      light[BATCH];
     uint32_t owner[BATCH];
-    PathSurface surface[BATCH];
+    WhittedSpot spot[BATCH];
+    Material made[BATCH];  /* by images, for spot */
     Rgb      sum[BATCH];
     float    depth[BATCH];
     Branch  *branch; /* [(depth + 2) * 2 * BATCH] */
@@ -48,6 +49,7 @@ typedef struct {
     Light         *light;  /* [lights] */
     size_t         lights;
     float         *smooth;
+    uint8_t       *kind;   /* [materials]  whitted_spot_kind */
     bool           clear;
     CameraRays     camera;
     FilterTable    filter;
@@ -108,14 +110,13 @@ static void add_light(const Picture *picture, Worker *w, const Light *light, con
     const Room *room = picture->room;
     uint32_t    n = 0;
     for (uint32_t i = 0; i < count; i++) {
-        const PathSurface *s = &w->surface[i];
+        const WhittedSpot *s = &w->spot[i];
         const Vec3   d = vec3_sub(light->position, s->at.point);
         const double square = vec3_dot(d, d), facing = vec3_dot(d, s->at.face);
-        if (!(facing > 0) || s->diffuse + s->gloss <= 0)
+        if (!(facing > 0))
             continue;
-        double     density;
         const Vec3 way = vec3_scale(d, 1 / sqrt(square));
-        const Rgb  value = path_surface_value(s, way, &density);
+        const Rgb  value = whitted_spot_value(s, way);
         const double share = light_share(light, vec3_scale(way, -1)) / square;
         w->light[n] = rgb_scale(rgb_mul(rgb_mul(branch[place[i]].weight, value),
                                         light->intensity), share);
@@ -138,32 +139,35 @@ static void add_light(const Picture *picture, Worker *w, const Light *light, con
 }
 
 /* Adds the ways on from a mirror or glass: one or two. */
-static uint32_t branch_on(const Picture *picture, const PathSurface *s, const Branch *from,
+static uint32_t branch_on(const Picture *picture, const WhittedSpot *s, const Branch *from,
                           Branch *out, uint32_t count)
 {
-    const Room     *room = picture->room;
-    const Material *m = s->material;
-    const bool      clear = s->clear > 0;
-    if (!clear && !(s->gloss > 0 && isinf(specular_exponent(m))))
+    Rgb weight[2];
+    Ray ray[2];
+    if (!(s->kind & (SPOT_MIRROR | SPOT_CLEAR)))
         return count;
-    for (unsigned way = 0; way < (clear ? 2U : 1U); way++) {
-        Rgb weight;
-        Ray ray;
-        if (!specular_split(room, &s->hit, s->normal, s->in, way == 1, &ray, &weight))
-            continue;
-        weight = rgb_mul(from->weight, weight);
-        if (rgb_max(weight) >= WEIGHT_LEAST)
-            out[count++] = (Branch){ ray, weight, from->pixel };
+    const unsigned ways = specular_ways(picture->room, s->material, &s->hit, s->normal, s->in, ray,
+                                        weight);
+    for (unsigned k = 0; k < ways; k++) {
+        const Rgb all = rgb_mul(from->weight, weight[k]);
+        if (rgb_max(all) >= WEIGHT_LEAST)
+            out[count++] = (Branch){ ray[k], all, from->pixel };
     }
     return count;
+}
+
+/* What it shows whatever lights there are. */
+static Rgb own_light(const Picture *picture, const WhittedSpot *s)
+{
+    const Rgb own = rgb_mul(s->material->reflectance, picture->options.ambient);
+    return emits(picture->room, s->hit.surface, s->hit.side) ? rgb_add(own, s->material->emission)
+                                                              : own;
 }
 
 static void trace(const Picture *picture, Worker *w, const Branch *branch, uint32_t count,
                   uint32_t depth)
 {
     const Room *room = picture->room;
-    const PathOptions usual = { 0 };
-    const PathScene   scene = { .room = room, .options = &usual, .smooth = picture->smooth };
     Branch     *next = w->branch + (size_t)(depth + 1) * 2 * BATCH;
     uint32_t    place[BATCH], places = 0, on = 0;
     assert(count <= BATCH && depth <= picture->options.depth);
@@ -176,28 +180,22 @@ static void trace(const Picture *picture, Worker *w, const Branch *branch, uint3
     w->rays += count;
     for (uint32_t i = 0; i < count; i++) {
         const Branch *b = &branch[i];
+        WhittedSpot  *s = &w->spot[places];
         Rgb          *sum = &w->sum[b->pixel];
-        RoomHit       hit;
         if (w->hit[i].primitive == RAY_MISS) {
             *sum = rgb_add(*sum, rgb_mul(b->weight, picture->options.background));
             continue;
         }
-        const Vec3 in = vec3_unit(vec3(b->ray.dx, b->ray.dy, b->ray.dz));
-        path_hit(room, &w->hit[i], in, &hit);
-        path_surface_init(&w->surface[places], &scene, room, NULL, &hit, in,
-                          true);
-        const Material *m = w->surface[places].material;
-        Rgb own = rgb_mul(m->reflectance, picture->options.ambient);
-        if (emits(room, hit.surface, hit.side))
-            own = rgb_add(own, m->emission);
-        *sum = rgb_add(*sum, rgb_mul(b->weight, own));
+        whitted_spot_init(s, room, picture->kind, picture->smooth, &w->hit[i],
+                          vec3_unit(vec3(b->ray.dx, b->ray.dy, b->ray.dz)), &w->made[places]);
+        *sum = rgb_add(*sum, rgb_mul(b->weight, own_light(picture, s)));
+        if (depth == 0)
+            w->depth[b->pixel] = w->hit[i].t;
         if (depth < picture->options.depth)
-            on = branch_on(picture, &w->surface[places], b, next, on);
-        place[places++] = i;
+            on = branch_on(picture, s, b, next, on);
+        if (s->kind & (SPOT_DIFFUSE | SPOT_LOBE))
+            place[places++] = i;
     }
-    if (depth == 0)
-        for (uint32_t i = 0; i < places; i++)
-            w->depth[branch[place[i]].pixel] = w->hit[place[i]].t;
     for (size_t k = 0; k < picture->lights; k++)
         add_light(picture, w, &picture->light[k], branch, place, places);
     for (uint32_t begin = 0; begin < on; begin += BATCH)
@@ -210,16 +208,19 @@ static void trace(const Picture *picture, Worker *w, const Branch *branch, uint3
 static void choose_place(const Picture *picture, int x, int y, uint32_t sample, double at[2],
                          float lens[2])
 {
+    const bool blur = camera_rays_blur(&picture->camera);
+    at[0] = at[1] = 0.5;
+    if (picture->samples == 1 && !blur)
+        return;
     const uint32_t seed = sampling_seed((uint32_t)(x + picture->image->left),
                                         (uint32_t)(y + picture->image->top),
                                         picture->options.seed, 3);
-    float u[2];
-    at[0] = at[1] = 0.5;
     if (picture->samples > 1) {
+        float u[2];
         sampling_sobol2(sample, seed, u);
         filter_table_offset(&picture->filter, u, at);
     }
-    if (camera_rays_blur(&picture->camera))
+    if (blur)
         sampling_sobol2(sample, sampling_mix(seed + SEED_LENS), lens);
 }
 
@@ -315,6 +316,9 @@ static bool picture_prepare(Picture *picture, const Camera *camera, Error *err)
         picture->clear = picture->clear || room->materials[i].cut_out ||
                          rgb_max(room->materials[i].transmittance) > 0;
     picture->smooth = normals_create(room, err);
+    picture->kind = array_create(room->material_count, 1, "materials", err);
+    for (size_t i = 0; i < room->material_count && !error_is_set(err); i++)
+        picture->kind[i] = (uint8_t)whitted_spot_kind(&room->materials[i]);
     camera_rays_init(&picture->camera, camera, o->width, o->height);
     camera_rays_crop(&picture->camera, picture->image->left, picture->image->top);
     filter_table_init(&picture->filter, o->filter);
@@ -360,6 +364,7 @@ Image *render_whitted(const Room *room, const Camera *camera, const WhittedOptio
     array_free(picture.worker);
     array_free(picture.light);
     array_free(picture.smooth);
+    array_free(picture.kind);
     array_free(picture.done);
     return error_is_set(err) && err->code != ERROR_STOPPED ? image_destroy(picture.image)
                                                            : picture.image;

@@ -120,6 +120,18 @@ static void shape_parameters_undo_points(void **state)
     }
 }
 
+static bool same(Vec3 a, Vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+static void expect_all_at(const Shape *shape, double u, double v)
+{
+    Vec3   point, normal;
+    double density;
+    shape_all_at(shape, u, v, &point, &normal, &density);
+    assert_true(same(point, shape_point(shape, u, v)));
+    assert_true(same(normal, shape_normal(shape, u, v)));
+    assert_true(density == shape_density(shape, u, v));
+}
+
 /* Against central differences of shape_point: h^2 times third derivatives (2 pi)^3 * size, and
  * rounding / h. */
 static void shape_density_and_normal_match_differences(void **state)
@@ -139,6 +151,7 @@ static void shape_density_and_normal_match_differences(void **state)
         const double size = vec3_length(du) * vec3_length(dv);
         const Vec3 n = shape_normal(&shape, u, v);
         assert_true(fabs(vec3_length(cross) - shape_density(&shape, u, v)) < 1e-6 * size);
+        expect_all_at(&shape, u, v);
         assert_true(fabs(vec3_length(n) - 1) < 1e-14);
         assert_true(fabs(vec3_dot(n, du)) < 1e-6 * vec3_length(du));
         assert_true(fabs(vec3_dot(n, dv)) < 1e-6 * vec3_length(dv));
