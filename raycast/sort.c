@@ -38,11 +38,12 @@ static void cells_init(Cells *cells, const Bvh *bvh, const Ray *ray, size_t coun
         left[k] = k < 2 ? size / 2 : range < INFINITY ? range : 0;
         cells->scale[k] = range > 0 && range < INFINITY ? (float)(1u << CELL_LEVELS) / range : 0;
     }
+    const size_t rays = count <= CELL_SMALL ? CELL_RAYS_SMALL : CELL_RAYS;
     for (cells->bits = 0; cells->bits < CELL_BITS_MAX; cells->bits++) {
         unsigned largest = 0;
         for (unsigned k = 1; k < CELL_DIMENSIONS; k++)
             largest = left[k] > left[largest] ? k : largest;
-        if ((size_t)CELL_RAYS * RAY_KINDS << cells->bits >= count || used[largest] == CELL_LEVELS)
+        if (rays * RAY_KINDS << cells->bits >= count || used[largest] == CELL_LEVELS)
             break;
         left[largest] /= 2;
         used[largest]++;

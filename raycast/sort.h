@@ -14,8 +14,11 @@
 #define CELL_LEVELS 5u    /* bits of a dimension, at most: a table fits a register */
 #define CELL_BITS_MAX 12u
 /* Rays that a cell should get on the average over all kinds: those of a tile of patches leave by
- * half of them, and cells of less than a packet's rays would mix neighbours all the same. */
+ * half of them, and cells of less than a packet's rays would mix neighbours all the same. Small
+ * blocks are of rays to the nearest hit in small trees, where sorting is dear next to tracing. */
 #define CELL_RAYS 4u
+#define CELL_RAYS_SMALL 12u
+#define CELL_SMALL 16384u /* rays in a block */
 #define RAY_KINDS 24u
 
 struct Cells {
