@@ -3,7 +3,8 @@
 # Several cameras in one run.
 . "$(dirname "$0")/tap.inc"
 shapes=scenes/files/shapes.msd
-fast=(--quality draft --patches 300 --rays 16 --spp 2 --size 64x48 --progress none --record-rays 0)
+fast=(--quality draft --patches 300 --rays 16 --spp 2 --size "$(sized 64x48 32x24)"
+    --progress none --record-rays 0)
 
 # same_light A B: all pixels of two pictures are equal.
 same_light() {
@@ -39,7 +40,8 @@ ok "twice" fails 2 'stands there twice' render $shapes --camera corner,corner
 ok "not for bench" fails 2 'for render' bench $shapes --camera all
 
 # Broken off in the second picture, once that is told of. The error is out of reach: exit code 4.
-some=(--quality draft --patches 300 --rays 16 --size 48x36 --progress none --camera all)
+some=(--quality draft --patches 300 --rays 16 --size "$(sized 48x36 24x18)" --progress none
+    --camera all)
 ok "unbroken" exits 4 render $shapes "${some[@]}" -o "$DIR/c-{camera}.exr" --error 0.4%
 interrupted TERM "grep -q '2 of 2' '$DIR/err'" render $shapes "${some[@]}" --error 0.4% \
     -o "$DIR/d-{camera}.exr" --checkpoint 1h --progress plain

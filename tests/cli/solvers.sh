@@ -64,7 +64,7 @@ value() {
 within() {
     awk -v a="$1" -v b="$2" 'BEGIN { exit !(a <= b) }'
 }
-known=(--patches 400 --progress none)
+known=(--patches "$(sized 400 100)" --progress none)
 ok "as accurate as asked" exits 0 solve "$cube" "${known[@]}" --accuracy 0.01 --json "$DIR/a.json"
 ok "that is told" within "$(value reached "$DIR/a.json")" 0.01
 ok "finer" exits 0 solve "$cube" "${known[@]}" --accuracy 0.002 --json "$DIR/b.json"
