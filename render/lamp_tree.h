@@ -4,10 +4,11 @@
  * Knows    math/ only; not what a lamp is made of, but where it lies and which way it shines.
  * Method   a binary tree of lamps. Of each branch are known a ball around it, a cone of the
  *          directions its lamps face and their strength. From the root down one of two branches is
- *          taken by chance, by what they send to the receiver at most [shirley96, conty18]. A
- *          branch has no chance only where nothing of it can arrive: all of it lies below the
- *          receiver's horizon or faces away.
- * Cost     a choice or a chance: the depth of the tree, about log2(lamps).
+ *          taken by chance, by what they send to the receiver at most [shirley96, conty18], and
+ *          once they are far for their size one of all its lamps by strength. A branch has no
+ *          chance only where nothing of it can arrive: all of it lies below the receiver's horizon
+ *          or faces away.
+ * Cost     a choice or a chance: the depth of the tree, about log2(lamps), at most.
  * Threads  never changes once made.
  */
 #ifndef RENDER_LAMP_TREE_H
@@ -33,7 +34,9 @@ typedef struct LampBranch LampBranch;
 
 typedef struct {
     LampBranch *branch; /* [2 * count - 1]  the root first */
-    uint32_t   *leaf;   /* [count]  branch of each lamp */
+    uint32_t   *lamp;   /* [count]  in the order of the branches */
+    uint32_t   *place;  /* [count]  of each lamp in that order */
+    double     *below;  /* [count + 1]  strengths in that order, running */
     uint32_t    count;
 } LampTree;
 

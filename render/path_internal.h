@@ -27,6 +27,11 @@ typedef struct {
     double       radius;  /* of a ball around it */
     Vec3         axis;    /* if `flat`: unit, the way it shines */
     bool         flat;
+    /* What it takes to aim at it lies together: of many lamps each is fetched from afar. */
+    Rgb          emission;
+    unsigned     triangles; /* 0: a shape */
+    Vec3         corner[4]; /* of triangles 0 1 2 and 0 2 3 */
+    double       share;     /* of the first triangle in the area */
 } PathLamp;
 
 typedef struct {

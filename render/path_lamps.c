@@ -53,7 +53,8 @@ static PathLamp surface_lamp(const Room *room, uint32_t index, unsigned side)
 {
     const Surfaces *s = room->surfaces;
     const Surface  *surface = &s->surface[index];
-    PathLamp lamp = { .surface = index, .side = side };
+    PathLamp lamp = { .surface = index, .side = side, .triangles = triangles_of(surface),
+                      .emission = material_of(room, index, side)->emission };
     Vec3     lo, hi;
     if (surface->kind == SURFACE_SHAPE) {
         shape_bounds(&s->shape[surface->primitive - s->triangle_count], &lo, &hi);
@@ -67,11 +68,14 @@ static PathLamp surface_lamp(const Room *room, uint32_t index, unsigned side)
         }
         for (unsigned k = 0; k < triangles_of(surface); k++)
             lamp.area += triangle_area(s, surface->primitive + k);
+        lamp.share = triangle_area(s, surface->primitive) / lamp.area;
+        for (unsigned k = 0; k < 2 + lamp.triangles; k++)
+            lamp.corner[k] = corner_of(s, surface->primitive + k / 3, k < 3 ? k : 2);
         set_axis(&lamp, s, surface);
     }
     lamp.centre = vec3_lerp(lo, hi, 0.5);
     lamp.radius = vec3_length(vec3_sub(hi, lo)) / 2;
-    lamp.power = M_PI * lamp.area * strength(material_of(room, index, side)->emission);
+    lamp.power = M_PI * lamp.area * strength(lamp.emission);
     return lamp;
 }
 
@@ -222,23 +226,19 @@ static double chance_of(const PathLamps *lamps, const PathPlace *from, uint32_t 
 static double surface_sample(const Surfaces *s, const PathLamp *lamp, double a, double b,
                              Vec3 *point, Vec3 *normal)
 {
-    const Surface *surface = &s->surface[lamp->surface];
-    double         u, v, area = lamp->area;
-    if (surface->kind == SURFACE_SHAPE) {
-        const Shape *shape = &s->shape[surface->primitive - s->triangle_count];
-        *point = shape_point(shape, a, b);
-        *normal = shape_normal(shape, a, b);
-        area = shape_density(shape, a, b);
+    double u, v, area = lamp->area;
+    if (lamp->triangles == 0) {
+        const Shape *shape = &s->shape[s->surface[lamp->surface].primitive - s->triangle_count];
+        shape_all_at(shape, a, b, point, normal, &area);
     } else {
-        const double share = triangle_area(s, surface->primitive) / lamp->area;
-        const bool   second = triangles_of(surface) == 2 && a >= share;
-        const uint32_t t = surface->primitive + (second ? 1 : 0);
-        a = second ? (a - share) / (1 - share) : a / share;
+        const bool second = lamp->triangles == 2 && a >= lamp->share;
+        const Vec3 p = lamp->corner[0], q = lamp->corner[second ? 2 : 1];
+        const Vec3 r = lamp->corner[second ? 3 : 2];
+        a = second ? (a - lamp->share) / (1 - lamp->share) : a / lamp->share;
         sampling_triangle(fmin(a, 1), b, &u, &v);
-        *point = vec3_add(vec3_scale(corner_of(s, t, 0), 1 - u - v),
-                          vec3_add(vec3_scale(corner_of(s, t, 1), u),
-                                   vec3_scale(corner_of(s, t, 2), v)));
-        *normal = surfaces_normal(s, t, u, v);
+        *point = vec3_add(vec3_scale(p, 1 - u - v),
+                          vec3_add(vec3_scale(q, u), vec3_scale(r, v)));
+        *normal = vec3_unit(vec3_cross(vec3_sub(q, p), vec3_sub(r, p)));
     }
     if (lamp->side == 1)
         *normal = vec3_scale(*normal, -1);
@@ -270,8 +270,7 @@ bool path_lamps_aim(const PathLamps *lamps, const PathPlace *from, const float u
     if (!(cosine > 0) || !(area > 0))
         return false;
     aim->density = chance * square / (cosine * area);
-    aim->light = rgb_scale(material_of(lamps->room, lamp->surface, lamp->side)->emission,
-                           1 / aim->density);
+    aim->light = rgb_scale(lamp->emission, 1 / aim->density);
     return true;
 }
 

@@ -25,15 +25,21 @@ static Vec3 direction(uint32_t *state)
     return vec3(r * cos(turn), r * sin(turn), z);
 }
 
-/* Small lamps all over a cube: facets that face all ways, and some that shine all around. */
-static void make_lamps(TreeLamp *lamp, uint32_t count, LampTree *tree)
+/* Small lamps all over a cube: facets that face all ways, and some that shine all around; or, as
+ * under a ceiling, all facing down, among which far ones are chosen by strength alone. */
+static void make_lamps(TreeLamp *lamp, uint32_t count, bool ceiling, LampTree *tree)
 {
     uint32_t state = 1;
     Error    err = { 0 };
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count; i++) {
         lamp[i] = (TreeLamp){ .centre = vec3(next(&state), next(&state), next(&state)),
                               .radius = 0.01 * next(&state), .axis = direction(&state),
                               .around = i % 10 == 0, .strength = next(&state) };
+        if (ceiling)
+            lamp[i] = (TreeLamp){ .centre = vec3(lamp[i].centre.x, lamp[i].centre.y, 1),
+                                  .radius = lamp[i].radius, .axis = vec3(0, 0, -1),
+                                  .strength = lamp[i].strength };
+    }
     assert_true(lamp_tree_init(tree, lamp, count, &err));
 }
 
@@ -49,13 +55,12 @@ static double light_of(const TreeLamp *lamp, Vec3 point, Vec3 normal)
 
 /* Every lamp that lights the place has a chance; all chances together are at most 1, less by
  * what loose bounds lead astray. */
-static void no_lamp_is_lost(void **unused)
+static void expect_none_lost(bool ceiling)
 {
-    (void)unused;
     TreeLamp lamp[LAMPS];
     LampTree tree;
     uint32_t state = 7;
-    make_lamps(lamp, LAMPS, &tree);
+    make_lamps(lamp, LAMPS, ceiling, &tree);
     for (int i = 0; i < PLACES; i++) {
         const Vec3 p = vec3(next(&state), next(&state), next(&state)), n = direction(&state);
         double     sum = 0;
@@ -69,16 +74,22 @@ static void no_lamp_is_lost(void **unused)
     lamp_tree_clear(&tree);
 }
 
+static void no_lamp_is_lost(void **unused)
+{
+    (void)unused;
+    expect_none_lost(false);
+    expect_none_lost(true);
+}
+
 /* The sum of all lamps' light is the mean of what the chosen ones give over their chances; each
  * chance is the one that is told when asked for the lamp. */
-static void sums_of_light(void **unused)
+static void expect_sums(bool ceiling)
 {
     enum { SAMPLES = 4096 };
-    (void)unused;
     TreeLamp lamp[LAMPS];
     LampTree tree;
     uint32_t state = 3;
-    make_lamps(lamp, LAMPS, &tree);
+    make_lamps(lamp, LAMPS, ceiling, &tree);
     for (int i = 0; i < PLACES; i++) {
         const Vec3 p = vec3(3 * next(&state) - 1, next(&state), next(&state));
         const Vec3 n = direction(&state);
@@ -104,6 +115,13 @@ static void sums_of_light(void **unused)
         assert_true(fabs(mean - exact) <= 5 * error + 1e-9 * exact); /* 5 sigma: 1 in 10^6 */
     }
     lamp_tree_clear(&tree);
+}
+
+static void sums_of_light(void **unused)
+{
+    (void)unused;
+    expect_sums(false);
+    expect_sums(true);
 }
 
 /* Two far equal lamps side by side are chosen alike; one that faces away never. */
