@@ -53,7 +53,7 @@ ok "time limit before anything" exits 5 solve "$cube" -o "$DIR/late.ply" --time-
 ok "still a mesh" test -s "$DIR/late.ply"
 for name in INT TERM; do
     interrupted "$name" "grep -q gather '$DIR/err'" render "$cube" -o "$DIR/$name.exr" \
-        --size 400x400 --spp 4096 --patches 500 --rays 64 --progress plain
+        --size "$(sized 400x400 200x150)" --spp 4096 --patches 500 --rays 64 --progress plain
     ok "SIG$name: exit code" test "$CODE" = 5
     ok "SIG$name: a picture" test -s "$DIR/$name.exr"
 done
