@@ -146,6 +146,13 @@ static void on_step(void *user, const SolveStep *step)
     live_step(live);
 }
 
+/* When it is to be shown, or to be waited at. */
+static bool is_step_due(void *user)
+{
+    const Live *live = user;
+    return live_due(live) || atomic_load(&live->stepping);
+}
+
 static bool run_solver(Live *live, Error *err)
 {
     Pipeline *p = live->pipeline;
@@ -161,7 +168,7 @@ static bool run_solver(Live *live, Error *err)
                               .threads = settings->threads, .centre = p->patches->centre,
                               .normal = p->patches->normal, .relaxation = options->relaxation,
                               .overshoot = options->overshoot, .trace = on_step,
-                              .trace_user = live };
+                              .trace_user = live, .trace_due = is_step_due };
     if (!pipeline_light(p, err))
         return false;
     p->solution = solve(p->links, &p->problem, &so, &p->session->monitor, err);
@@ -216,6 +223,7 @@ static void clear_all(Live *live)
 {
     choose_solver(live);
     live->mesh = shown_mesh_leave(live->mesh);
+    live->carry = vertex_carry_destroy(live->carry);
     live->patches = NULL;
     live->light.radiosity = NULL;
     pipeline_clear(live->pipeline);
@@ -290,6 +298,7 @@ static void *run(void *user)
         on = on && atomic_load(&control->restart) && !atomic_load(&control->quit);
     }
     live->mesh = shown_mesh_leave(live->mesh);
+    live->carry = vertex_carry_destroy(live->carry);
     atomic_store(&control->failed, true);
     return NULL;
 }

@@ -35,6 +35,7 @@ typedef struct {
     pthread_t  thread;
     ShownMesh *mesh;           /* of `patches`, a reference; NULL: none yet */
     const Patches *patches;
+    VertexCarry *carry;        /* of `patches` as well; NULL: none yet */
     double     begin;          /* clock of progress_now */
     double     stage_begin, published;
     const char *doing;

@@ -21,11 +21,22 @@ static bool take_mesh(Live *live, Error *err)
     if (live->mesh != NULL && live->patches == p->patches)
         return true;
     live->mesh = shown_mesh_leave(live->mesh);
+    live->carry = vertex_carry_destroy(live->carry);
     live->mesh = shown_mesh_create(p->scene, p->patches, p->emitting, &p->camera,
                                    p->session->settings.threads, err);
     live->patches = p->patches;
     live->report.patches = p->patches->count;
     return live->mesh != NULL;
+}
+
+/* What carries values to vertices, as long as patches and what is seen of them stay. */
+static bool take_carry(Live *live, const double *visible_area, Error *err)
+{
+    if (vertex_carry_fits(live->carry, live->patches, visible_area))
+        return true;
+    vertex_carry_destroy(live->carry);
+    live->carry = vertex_carry_create(live->patches, visible_area, err);
+    return live->carry != NULL;
 }
 
 static Rgb *lamps_emission(const Live *live, Error *err)
@@ -132,10 +143,9 @@ static bool add_changes(const Live *live, Snapshot *s, Error *err)
 bool live_publish(Live *live, const LiveLight *light, Error *err)
 {
     assert(light->radiosity != NULL && light->visible_area != NULL);
-    if (!take_mesh(live, err))
+    if (!take_mesh(live, err) || !take_carry(live, light->visible_area, err))
         return false;
-    Snapshot *s = snapshot_create(live->mesh, live->patches, light->visible_area,
-                                  light->radiosity, err);
+    Snapshot *s = snapshot_create(live->mesh, live->patches, live->carry, light->radiosity, err);
     if (s == NULL)
         return false;
     s->step = live->step;

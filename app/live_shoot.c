@@ -424,6 +424,7 @@ bool live_glance(Live *live, Error *err)
         done = glance(live, err);
     }
     live->mesh = shown_mesh_leave(live->mesh);
+    live->carry = vertex_carry_destroy(live->carry);
     live->patches = NULL;
     live->light.radiosity = NULL;
     p->patches = patches_destroy(p->patches);

@@ -175,6 +175,8 @@ static double error_bound(const SolveSystem *system, double residual)
         return 0;
     if (system->options->solver == SOLVER_HIERARCHICAL)
         return INFINITY; /* of the links as they are, which it does not solve */
+    if (system->reflected == NULL)
+        return INFINITY; /* not asked for */
     const double q = system->reflected->most;
     return q < 1 ? residual / (1 - q) : INFINITY;
 }
@@ -204,7 +206,8 @@ static void trace_step(const SolveSystem *system, double passes, SolveShow show,
 bool solve_report(const SolveSystem *system, double left, double passes, SolveShow show,
                   void *context)
 {
-    if (system->options->trace != NULL)
+    const SolveOptions *o = system->options;
+    if (o->trace != NULL && (o->trace_due == NULL || o->trace_due(o->trace_user)))
         trace_step(system, passes, show, context);
     /* Residuals fall geometrically, so progress is the share of decades that is done. */
     const double decades = log(fmax(system->tolerance, DBL_MIN));
@@ -254,7 +257,7 @@ static bool set_bound(SolveSystem *system, Error *err)
         system->shown = array_create(values, sizeof *system->shown, "a trace", err);
         system->after = array_create(values, sizeof *system->after, "a trace", err);
     }
-    if ((o->trace != NULL || o->bound) && !error_is_set(err))
+    if (((o->trace != NULL && o->trace_due == NULL) || o->bound) && !error_is_set(err))
         system->reflected = reflected_create(system->links, system->bands,
                                              system->problem->reflectance, o->reflected,
                                              system->threads, err);

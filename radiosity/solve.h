@@ -80,6 +80,9 @@ typedef struct {
      * residual of each step is not counted in `seconds`. */
     void   (*trace)(void *user, const SolveStep *step);
     void    *trace_user;
+    /* solvers on links: asked after every step whether its trace is wanted, as each costs a pass
+     * over the links; then no bound is found for it. NULL: all are */
+    bool   (*trace_due)(void *user);
 } SolveOptions;
 
 typedef struct {
@@ -136,5 +139,20 @@ void solution_energy(const Solution *solution, const Links *links, const SolvePr
  * fails  false and ERROR_MEMORY. */
 bool vertex_radiosity(const Patches *patches, const double *area, unsigned bands,
                       const double *patch_value, double *out, Error *err);
+
+/* The same for many values on the same patches: their planes are laid once, which is nearly all of
+ * the work, and kept, some 12 bytes for each patch that a vertex looks at. patches stay the
+ * caller's and outlive it; area is copied.
+ * owns   the caller frees with vertex_carry_destroy. fails  NULL; ERROR_MEMORY.
+ * Threads  never changes once made. */
+typedef struct VertexCarry VertexCarry;
+VertexCarry *vertex_carry_create(const Patches *patches, const double *area, Error *err);
+/* Frees; NULL is allowed. Always returns NULL. */
+VertexCarry *vertex_carry_destroy(VertexCarry *carry);
+/* Whether it was made for these patches and areas; false for NULL. */
+bool vertex_carry_fits(const VertexCarry *carry, const Patches *patches, const double *area);
+/* As vertex_radiosity, bit for bit. */
+bool vertex_carry_values(const VertexCarry *carry, unsigned bands, const double *patch_value,
+                         double *out, Error *err);
 
 #endif

@@ -189,10 +189,27 @@ static void fill_hand(const Hand *h, Field field, double *value)
     }
 }
 
+/* The same bits from planes that are kept. */
+static void check_kept(const Patches *p, const double *area, const double *value,
+                       const double *out)
+{
+    Error err = { 0 };
+    VertexCarry *carry = vertex_carry_create(p, area, &err);
+    double *kept = array_create(p->vertex_count, sizeof *kept, "test", &err);
+    assert_true(carry != NULL && kept != NULL && vertex_carry_fits(carry, p, area));
+    for (int turn = 0; turn < 2; turn++) {
+        assert_true(vertex_carry_values(carry, 1, value, kept, &err));
+        assert_memory_equal(kept, out, p->vertex_count * sizeof *kept);
+    }
+    array_free(kept);
+    vertex_carry_destroy(carry);
+}
+
 static void carry(const Patches *p, const double *area, const double *value, double *out)
 {
     Error err = { 0 };
     assert_true(vertex_radiosity(p, area != NULL ? area : p->area, 1, value, out, &err));
+    check_kept(p, area != NULL ? area : p->area, value, out);
 }
 
 static double largest_error(const Patches *p, Field field, const double *out)

@@ -37,7 +37,10 @@ static void show(Shown *s, double size, const Light *lights, size_t light_count)
                     .light_count = light_count };
     s->mesh = shown_mesh_create(&scene, s->r.patches, s->r.emitting, &(Camera){ 0 }, 1, &err);
     assert_non_null(s->mesh);
-    s->snapshot = snapshot_create(s->mesh, s->r.patches, s->r.patches->area, s->radiosity, &err);
+    VertexCarry *carry = vertex_carry_create(s->r.patches, s->r.patches->area, &err);
+    assert_non_null(carry);
+    s->snapshot = snapshot_create(s->mesh, s->r.patches, carry, s->radiosity, &err);
+    vertex_carry_destroy(carry);
     assert_non_null(s->snapshot);
     array_free(rho);
 }

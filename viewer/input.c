@@ -44,6 +44,7 @@ static void moved(Viewer *viewer)
     viewer->dirty = true;
     viewer->exposure_due = viewer->automatic;
     viewer->view.gathered = false;
+    viewer->measuring.has_region = false; /* it was one of the picture before */
 }
 
 static void frame(Viewer *viewer, Action action)

@@ -82,6 +82,7 @@ static void legend(Viewer *viewer, double scale)
     const double y0 = (below ? top : 0) + 42 * scale, y1 = view->height - 28 * scale;
     const Frame bar = { right - BAR * scale, y0, right, fmin(y1, y0 + 420 * scale) };
     char text[64];
+    m->legend = (Frame){ 0, 0, -1, -1 }; /* what is not drawn is not dragged */
     if (bar.y1 - bar.y0 < 40 * scale)
         return;
     gui_mark_box(bar.x0 - 76 * scale, bar.y0 - 32 * scale, bar.x1 + 10 * scale,

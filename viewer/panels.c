@@ -138,8 +138,10 @@ static double view_panel(Viewer *viewer, double y, double width)
             view->tone = (ToneCurve)tone;
         if (gui_slider("exposure", &view->exposure, -20, 20, "%+.2f EV", false))
             viewer->automatic = viewer->exposure_due = false;
-        if (gui_slider("field of view", &view->camera.vertical_fov, 5, 120, "%.0f deg", false))
+        if (gui_slider("field of view", &view->camera.vertical_fov, 5, 120, "%.0f deg", false)) {
             viewer->exposure_due = viewer->automatic;
+            viewer->measuring.has_region = false;
+        }
         if (gui_check("auto exposure", &viewer->automatic))
             viewer->exposure_due = viewer->automatic;
         gui_same_line();

@@ -290,6 +290,24 @@ static bool never_comes(const Step *step, double frame, const ScriptState *state
     return step->what == DO_WAIT_STEP && state->finished && (int)state->step < step->code;
 }
 
+bool script_moves(const Script *script)
+{
+    if (script->at == script->count)
+        return false;
+    switch (script->step[script->at].what) {
+    case DO_KEY:
+    case DO_HOLD:
+    case DO_MOVE:
+    case DO_CLICK:
+    case DO_DOUBLE:
+    case DO_DRAG:
+    case DO_WHEEL:
+        return true;
+    default:
+        return false;
+    }
+}
+
 bool script_loses_context(const Script *script)
 {
     return script->at < script->count && script->step[script->at].what == DO_LOSE_CONTEXT;

@@ -47,6 +47,8 @@ typedef struct {
 bool script_advance(Script *script, const ScriptState *state, Window *window,
                     const char **screenshot, Error *err);
 
+/* Whether hands are at work: keys, buttons, the mouse. */
+bool script_moves(const Script *script);
 /* Whether the context is to be lost in this frame. */
 bool script_loses_context(const Script *script);
 

@@ -37,7 +37,7 @@ bool snapshot_layer(Snapshot *snapshot, Layer layer, const double *value, Error 
     return true;
 }
 
-Snapshot *snapshot_create(ShownMesh *mesh, const Patches *patches, const double *visible_area,
+Snapshot *snapshot_create(ShownMesh *mesh, const Patches *patches, const VertexCarry *carry,
                           const double *radiosity, Error *err)
 {
     assert(mesh->patch_count == patches->count && mesh->plain_count == patches->vertex_count);
@@ -51,7 +51,7 @@ Snapshot *snapshot_create(ShownMesh *mesh, const Patches *patches, const double 
     s->vertex = array_create((size_t)BANDS * mesh->vertex_count, sizeof *s->vertex, "vertices",
                              err);
     if (s->vertex != NULL && snapshot_layer(s, LAYER_RADIOSITY, radiosity, err) &&
-        vertex_radiosity(patches, visible_area, BANDS, radiosity, at_vertex, err))
+        vertex_carry_values(carry, BANDS, radiosity, at_vertex, err))
         fill_vertices(mesh, at_vertex, s->vertex);
     array_free(at_vertex);
     return error_is_set(err) ? snapshot_destroy(s) : s;

@@ -8,6 +8,7 @@
 #ifndef VIEWER_SNAPSHOT_H
 #define VIEWER_SNAPSHOT_H
 
+#include "radiosity/solve.h"
 #include "viewer/shown_mesh.h"
 
 /* How far the solver is; in this order. */
@@ -46,11 +47,11 @@ typedef struct {
 } Mailbox;
 
 /* One with the vertices' values smoothed from layer[LAYER_RADIOSITY], all other layers NULL.
- * patches: those that the mesh was made from; visible_area [patches->count]; radiosity, three bands
+ * patches: those that the mesh and `carry` were made from; radiosity, three bands
  * [3 * patches->count].
  * owns   takes a reference of its own to the mesh; the caller frees with snapshot_destroy.
  * fails  NULL; ERROR_MEMORY. */
-Snapshot *snapshot_create(ShownMesh *mesh, const Patches *patches, const double *visible_area,
+Snapshot *snapshot_create(ShownMesh *mesh, const Patches *patches, const VertexCarry *carry,
                           const double *radiosity, Error *err);
 /* Copies three bands per patch into a layer; fails  false; ERROR_MEMORY. */
 bool snapshot_layer(Snapshot *snapshot, Layer layer, const double *value, Error *err);

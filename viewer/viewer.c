@@ -78,6 +78,9 @@ static bool take_new(Viewer *viewer, Error *err)
         return true;
     Snapshot *before = viewer->shown;
     viewer->shown = snapshot;
+    /* Read again, the scene may be another one. */
+    if (viewer->restarted && before != NULL && before->mesh != snapshot->mesh)
+        viewer->measuring.plane_fits = false;
     viewer->restarted = viewer->restarted && before != NULL && before->mesh == snapshot->mesh;
     pick_again(viewer, before != NULL ? before->mesh : NULL);
     snapshot_destroy(before);
@@ -126,11 +129,13 @@ static double patience(const Viewer *viewer)
     /* Before first light there are but figures to be read. */
     if (viewer->shown == NULL && !viewer->dirty)
         return fmax(0, IDLE_SECONDS - since);
-    if (viewer->script != NULL)
-        return fmax(0, (working ? WORKING_SECONDS : 0) - since);
+    /* Scripts wait for the solver, at the rate that a hand would have; then for nothing. */
+    if (viewer->script != NULL && !working)
+        return 0;
     if (rate > 0)
         return fmax(0, 1 / rate - since);
-    if (viewer->dirty || viewer->pointer.flying)
+    const bool moves = viewer->script != NULL && script_moves(viewer->script);
+    if (viewer->dirty || viewer->pointer.flying || moves)
         return fmax(0, LEAST_SECONDS - since);
     return fmax(0, (working ? WORKING_SECONDS : IDLE_SECONDS) - since);
 }

@@ -48,6 +48,8 @@ bool window_next(Window *window, Event *event)
 static void on_key(GLFWwindow *handle, int key, int code, int action, int mods)
 {
     (void)code;
+    if (key == GLFW_KEY_RIGHT_SHIFT) /* either does */
+        key = KEY_SHIFT;
     if (key >= 0)
         window_push(glfwGetWindowUserPointer(handle),
                     &(Event){ .kind = EVENT_KEY, .code = key, .down = action != GLFW_RELEASE,
