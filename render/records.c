@@ -23,6 +23,13 @@ typedef struct {
     double fit[3][3];
 } Apart;
 
+/* A record in a cell: in one piece what throws most of them out. */
+typedef struct {
+    float    point[3];
+    float    reach; /* square; more than that it is not, with all rounding */
+    uint32_t record;
+} Entry;
+
 struct Records {
     Record  *record;
     size_t   capacity;
@@ -33,10 +40,10 @@ struct Records {
     /* Cells of level k are 2^(k - LEVELS/2) wide, at least twice the radius of the records there:
      * each lies in at most 8 of them. Cells of all levels share the buckets: a stranger in one is
      * told by its distance. */
-    bool      used[LEVELS];
+    uint8_t   used[LEVELS], used_count;
     uint32_t  mask;      /* buckets - 1 */
     uint32_t *first;     /* [buckets + 1] */
-    uint32_t *entry;     /* [first[buckets]]  record */
+    Entry    *entry;     /* [first[buckets]] */
 };
 
 Records *records_create(Error *err)
@@ -119,6 +126,21 @@ static int buckets_of(const Records *r, const Record *record, uint32_t bucket[8]
     return n;
 }
 
+/* Coordinates in float are off by 2^-24 of themselves, so are those of a point that is looked for:
+ * a difference by less than twice that of both, and what its length is by less than thrice. */
+static const double FLOAT_SLACK = 8 * 0x1p-24;
+
+static Entry entry_of(const Records *r, uint32_t index)
+{
+    const Record *record = &r->record[index];
+    const Vec3    p = record->at.point;
+    const double  most = fmax(fmax(fabs(p.x), fabs(p.y)), fabs(p.z));
+    const double  reach = reach_of(record);
+    const double  slack = FLOAT_SLACK * (most + reach);
+    return (Entry){ { (float)p.x, (float)p.y, (float)p.z },
+                    (float)((reach + slack) * (reach + slack) * (1 + FLOAT_SLACK)), index };
+}
+
 /* Sorts all records into buckets once more. */
 static bool fill_grid(Records *r, Error *err)
 {
@@ -133,19 +155,26 @@ static bool fill_grid(Records *r, Error *err)
     if (r->first == NULL)
         return false;
     uint32_t bucket[8];
+    bool     used[LEVELS] = { false };
     for (uint32_t i = 0; i < r->count; i++) {
-        r->used[level_of(reach_of(&r->record[i]))] = true;
+        used[level_of(reach_of(&r->record[i]))] = true;
         for (int k = buckets_of(r, &r->record[i], bucket); k-- > 0;)
             r->first[bucket[k] + 2]++;
     }
     for (uint32_t b = 2; b <= buckets + 1; b++)
         r->first[b] += r->first[b - 1];
+    r->used_count = 0;
+    for (uint8_t level = 0; level < LEVELS; level++)
+        if (used[level])
+            r->used[r->used_count++] = level;
     r->entry = array_create(r->first[buckets + 1], sizeof *r->entry, "records", err);
     if (r->entry == NULL)
         return false;
-    for (uint32_t i = 0; i < r->count; i++)
+    for (uint32_t i = 0; i < r->count; i++) {
+        const Entry entry = entry_of(r, i);
         for (int k = buckets_of(r, &r->record[i], bucket); k-- > 0;)
-            r->entry[r->first[bucket[k] + 1]++] = i;
+            r->entry[r->first[bucket[k] + 1]++] = entry;
+    }
     return true;
 }
 
@@ -214,6 +243,9 @@ bool records_add_apart(Records *r, const Record *record, const Rgb *light, uint3
 
 /* --- reading --------------------------------------------------------------------------------- */
 
+/* fmax without a call for what becomes of NaN. */
+static inline double larger(double a, double b) { return a > b ? a : b; }
+
 /* 1 at the record, falling to 0 where its ellipse ends. */
 static double nearness_of(const Record *record, const Receiver *at)
 {
@@ -223,28 +255,32 @@ static double nearness_of(const Record *record, const Receiver *at)
         return 0;
     const double along = vec3_dot(d, record->along);
     const double dd = square - along * along * (1 - 1 / (record->stretch * record->stretch));
-    const double off = PLANE_WORTH * fmax(fabs(vec3_dot(d, record->at.normal)),
-                                          fabs(vec3_dot(d, at->normal)));
+    const double off = PLANE_WORTH * larger(fabs(vec3_dot(d, record->at.normal)),
+                                            fabs(vec3_dot(d, at->normal)));
     const double turn = 2 - 2 * vec3_dot(at->normal, record->at.normal); /* |n - n'|^2 */
     const double tt = (dd + off * off) / rr + turn / (NORMAL_REACH * NORMAL_REACH);
-    return tt < 1 ? 1 - sqrt(fmax(tt, 0)) : 0;
+    return tt < 1 ? 1 - sqrt(larger(tt, 0)) : 0;
 }
 
 typedef void (*Visit)(void *context, uint32_t record, double nearness);
 
-static void visit(const Records *r, const Receiver *at, Visit call, void *context)
+static inline void visit(const Records *r, const Receiver *at, Visit call, void *context)
 {
-    for (int level = 0; r->count > 0 && level < LEVELS; level++) {
-        if (!r->used[level])
-            continue;
+    const float p[3] = { (float)at->point.x, (float)at->point.y, (float)at->point.z };
+    for (uint32_t i = 0; i < r->used_count; i++) {
+        const int      level = r->used[i];
         const double   scale = cells_per_unit(level);
         const uint32_t b = bucket_of(r, level, cell_number(at->point.x, scale),
                                      cell_number(at->point.y, scale),
                                      cell_number(at->point.z, scale));
         for (uint32_t k = r->first[b]; k < r->first[b + 1]; k++) {
-            const double nearness = nearness_of(&r->record[r->entry[k]], at);
+            const Entry *e = &r->entry[k];
+            const float  d[3] = { p[0] - e->point[0], p[1] - e->point[1], p[2] - e->point[2] };
+            if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] > e->reach)
+                continue;
+            const double nearness = nearness_of(&r->record[e->record], at);
             if (nearness > 0)
-                call(context, r->entry[k], nearness);
+                call(context, e->record, nearness);
         }
     }
 }
@@ -265,8 +301,6 @@ typedef struct {
     double weight, variance, nearness;
 } Reading;
 
-static double not_below_0(double x) { return x > 0 ? x : 0; }
-
 static void read_record(void *context, uint32_t index, double nearness)
 {
     Reading      *reading = context;
@@ -278,12 +312,12 @@ static void read_record(void *context, uint32_t index, double nearness)
     for (int band = 0; band < 3; band++)
         for (int k = 0; k < 3; k++)
             e[band] += record->fit[band][k] * basis[k];
-    const Rgb     v = { not_below_0(e[0]), not_below_0(e[1]), not_below_0(e[2]) };
+    const Rgb     v = { larger(e[0], 0), larger(e[1], 0), larger(e[2], 0) };
     reading->sum = rgb_mad(reading->sum, weight, v);
     reading->weight += weight;
     reading->variance += weight * weight * record->fitted_deviation *
                          record->fitted_deviation;
-    reading->nearness = fmax(reading->nearness, nearness);
+    reading->nearness = larger(reading->nearness, nearness);
 }
 
 /* The same of all groups, into sums. */

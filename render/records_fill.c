@@ -195,12 +195,17 @@ static void gather_block(const Fill *fill, Wave *wave, uint32_t begin, uint32_t 
                                    .clear = wish->clear, .indirect_only = true,
                                    .guides = &guides, .split = split_of(fill, wave) };
     train_block(fill, wave, &guides, begin, end);
-    for (uint32_t i = begin; i < end; i++)
-        for (uint32_t twin = 0; twin < 2; twin++)
+    /* Neighbours go on in one sequence where the one before them left off, so that the mean of
+     * some of them is that of a finer net; twins know nothing of each other. */
+    for (uint32_t twin = 0; twin < 2; twin++) {
+        const uint32_t seed = sampling_seed(begin, (uint32_t)fill->stride, wish->seed,
+                                            SEED_RECORD + twin);
+        for (uint32_t i = begin; i < end; i++)
             wave->point[0][2 * (i - begin) + twin] = (WavePoint){
                 .at = fill->place[i].at, .guide = guides_find(&guides, &fill->place[i].at),
-                .seed = sampling_seed(i, (uint32_t)fill->stride, wish->seed, SEED_RECORD + twin)
+                .index = i - begin, .seed = seed
             };
+    }
     wave_gather(wave, 2 * (end - begin), 2 * (end - begin), &options);
     for (uint32_t i = begin; i < end; i++) {
         const uint32_t k = 2 * (i - begin);
