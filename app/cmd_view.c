@@ -7,6 +7,7 @@
 #include "app/live.h"
 #include "app/live_solved.h"
 #include "app/picture_files.h"
+#include "app/pipeline_stochastic.h"
 #include "app/ply_read.h"
 #include "app/summary.h"
 #include "viewer/viewer.h"
@@ -116,8 +117,10 @@ bool cmd_view(Pipeline *pipeline, int *exit_code, Error *err)
     picture_files_command(&session->options, command, sizeof command);
     control_init(&control);
     atomic_store(&control.solver, session->options.solver);
-    atomic_store(&control.tolerance,
-                 session->settings.tolerance > 0 ? session->settings.tolerance : TOLERANCE);
+    const double tolerance = session->settings.tolerance;
+    atomic_store(&control.tolerance, tolerance > 0 ? tolerance : TOLERANCE);
+    atomic_store(&control.error, options_given(&session->options, OPTION_TOLERANCE)
+                                     ? tolerance : STOCHASTIC_TOLERANCE);
     if (solved_mesh_is(session->options.scene))
         view_solved(session, command, &mailbox, &control, &pace, err);
     else

@@ -37,6 +37,14 @@ static bool take_step(Live *live)
     return false;
 }
 
+/* The time since `begin` was none of the solver's. */
+static void leave_out(Live *live, double begin)
+{
+    const double rested = progress_now() - begin;
+    live->begin += rested;
+    live->stage_begin += rested;
+}
+
 bool live_step(Live *live)
 {
     Control *control = live->control;
@@ -44,12 +52,14 @@ bool live_step(Live *live)
     atomic_store(&live->stepping, false);
     live_picture(live);
     while (atomic_load(&control->paused) && !live_must_end(live)) {
+        const double begin = progress_now();
         if (take_step(live))
             break;
-        if (!live_picture(live))
+        if (!live_picture(live)) {
             rest();
+            leave_out(live, begin);
+        }
     }
-    live->light.radiosity = NULL;
     if (!atomic_load(&control->paused))
         atomic_store(&control->steps, 0);
     return !live_must_end(live);
@@ -63,16 +73,33 @@ static void live_warn(void *user, const char *code, const char *where, const cha
     monitor_warn(&live->outer, code, where, "%s", text);
 }
 
-/* Asked by every thread at work: all of them rest while it is paused, unless a picture waits for
- * the light they find. */
+/* Whether a thread of the solver's has nothing to do for now: it is paused, unless a picture waits
+ * for the light they find; or one is made, with all cores. */
+static bool must_rest(Live *live, bool self)
+{
+    const Control *control = live->control;
+    if (live_must_end(live))
+        return false;
+    if (atomic_load(&live->painting))
+        return !self;
+    return atomic_load(&control->paused) && !atomic_load(&live->stepping) &&
+           !atomic_load(&control->easel.waiting) && !take_step(live);
+}
+
+/* Asked by every thread at work. */
 static bool live_stop(void *user)
 {
     Live *live = user;
-    while (atomic_load(&live->control->paused) && !atomic_load(&live->stepping) &&
-           !atomic_load(&live->control->easel.waiting) && !live_must_end(live) &&
-           !take_step(live))
+    const bool self = pthread_equal(pthread_self(), live->self) != 0;
+    while (must_rest(live, self)) {
+        const double begin = progress_now();
         rest();
-    return live_must_end(live);
+        if (self)
+            leave_out(live, begin);
+    }
+    if (live->breakable && fabs(live_tolerance(live) - live->asked) > 0)
+        atomic_store(&live->broken, true);
+    return live_must_end(live) || (live->breakable && atomic_load(&live->broken));
 }
 
 static void live_progress(void *user, const Progress *progress)
@@ -83,6 +110,7 @@ static void live_progress(void *user, const Progress *progress)
     if (progress->rays > 0)
         live->report.rays = live->rays_before + progress->rays;
     live_report(live);
+    live_picture(live); /* by the light there is, not at the end of a stage */
 }
 
 void live_report(Live *live)
@@ -101,7 +129,6 @@ void live_begin(Live *live, const char *doing, ShownStep step)
 {
     live->doing = doing;
     live->step = step;
-    live->light.radiosity = NULL;
     live->stage_begin = progress_now();
     live->rays_before = live->report.rays;
     live->report.done = -1;
@@ -126,59 +153,6 @@ static void on_pass(void *user, const Links *links, const Solution *solution, co
     live_step(live);
 }
 
-static void on_step(void *user, const SolveStep *step)
-{
-    Live *live = user;
-    Error err = { 0 };
-    const Pipeline *p = live->pipeline;
-    const LiveLight light = { .radiosity = step->radiosity, .visible_area = p->links->area,
-                              .shooter = PATCH_NONE };
-    const double tolerance = atomic_load(&live->control->tolerance);
-    live->report.unshot = step->unshot;
-    live->report.residual = step->residual;
-    live->report.steps = step->step;
-    /* Sweeps win about the same factor each. */
-    live->report.done = step->residual > 0 && step->residual < 1
-                            ? fmin(1, log(step->residual) / log(tolerance)) : 0;
-    live_report(live);
-    if (live_due(live))
-        live_publish(live, &light, &err);
-    live_step(live);
-}
-
-/* When it is to be shown, or to be waited at. */
-static bool is_step_due(void *user)
-{
-    const Live *live = user;
-    return live_due(live) || atomic_load(&live->stepping);
-}
-
-static bool run_solver(Live *live, Error *err)
-{
-    Pipeline *p = live->pipeline;
-    const double begin = progress_now();
-    assert(p->links != NULL || p->session->settings.stochastic);
-    const Options *options = &p->session->options;
-    const Settings *settings = &p->session->settings;
-    if (settings->stochastic)
-        return pipeline_solve(p, err);
-    const SolveOptions so = { .solver = settings->solver,
-                              .tolerance = atomic_load(&live->control->tolerance),
-                              .max_iterations = settings->max_iterations,
-                              .threads = settings->threads, .centre = p->patches->centre,
-                              .normal = p->patches->normal, .relaxation = options->relaxation,
-                              .overshoot = options->overshoot, .trace = on_step,
-                              .trace_user = live, .trace_due = is_step_due };
-    if (!pipeline_light(p, err))
-        return false;
-    p->solution = solve(p->links, &p->problem, &so, &p->session->monitor, err);
-    if (p->solution == NULL)
-        return false;
-    pipeline_energy(p);
-    pipeline_note(p, STAGE_SOLVE, begin);
-    return !live_must_end(live) || error_set(err, ERROR_STOPPED, "stopped");
-}
-
 static bool run_all(Live *live, Error *err)
 {
     Pipeline *p = live->pipeline;
@@ -188,14 +162,15 @@ static bool run_all(Live *live, Error *err)
         return false;
     live_begin(live, "links", STEP_SHOT);
     p->watch = on_pass;
+    p->tolerance = live_wish;
     p->watch_user = live;
     if (!pipeline_factors(p, err))
         return false;
     live_begin(live, "solving", STEP_LINKED);
-    if (!run_solver(live, err))
+    if (!live_solve(live, err))
         return false;
     live->report.unshot = p->solution->unshot;
-    live->report.residual = p->solution->residual;
+    live->report.residual = live_residual(p);
     live->report.steps = p->solution->iterations;
     live_begin(live, p->solution->converged ? "converged" : "stopped", STEP_SOLVED);
     live->report.done = 1;
@@ -225,10 +200,12 @@ static void clear_all(Live *live)
     live->mesh = shown_mesh_leave(live->mesh);
     live->carry = vertex_carry_destroy(live->carry);
     live->patches = NULL;
-    live->light.radiosity = NULL;
+    live_forget(live);
     pipeline_clear(live->pipeline);
     live->begin = progress_now();
-    live->report = (Report){ .done = -1, .unshot = -1, .residual = -1, .left = -1 };
+    live->steps_before = 0;
+    live->report = (Report){ .done = -1, .unshot = -1, .residual = -1, .left = -1,
+                             .estimated = live->pipeline->session->settings.stochastic };
 }
 
 /* After all is solved: follows the knobs until it is to end. */
@@ -239,7 +216,10 @@ static void stay(Live *live)
     while (good && !live_must_end(live)) {
         bool done = false;
         good = relighting_follow(&relighting, live, &done, &live->err);
-        if (good && !live_picture(live) && !done)
+        if (!good || live_picture(live) || done)
+            continue;
+        good = relighting_rest(&relighting, live, &done, &live->err);
+        if (!done)
             rest();
     }
     relighting_end(&relighting);
@@ -277,6 +257,7 @@ static void *run(void *user)
     Live *live = user;
     Control *control = live->control;
     bool on = true;
+    live->self = pthread_self();
     give_way();
     for (bool again = false; on; again = true) {
         atomic_store(&control->restart, false);
@@ -299,6 +280,7 @@ static void *run(void *user)
     }
     live->mesh = shown_mesh_leave(live->mesh);
     live->carry = vertex_carry_destroy(live->carry);
+    live_forget(live);
     atomic_store(&control->failed, true);
     return NULL;
 }

@@ -36,15 +36,24 @@ typedef struct {
     ShownMesh *mesh;           /* of `patches`, a reference; NULL: none yet */
     const Patches *patches;
     VertexCarry *carry;        /* of `patches` as well; NULL: none yet */
-    double     begin;          /* clock of progress_now */
-    double     stage_begin, published;
+    pthread_t  self;           /* the thread as it knows itself */
+    double     begin, stage_begin; /* clock of progress_now; pauses put them off */
+    double     published;
     const char *doing;
     Report     report;
     uint64_t   rays_before;    /* of stages that are over */
     ShownStep  step;
     bool       adapt;          /* patches are divided, where the solver has links */
     atomic_bool stepping;      /* a single step is under way */
-    LiveLight  light;          /* published last; radiosity NULL: it is not there any more */
+    atomic_bool painting;      /* a picture is: all other threads rest */
+    /* light as published last, for pictures: of these patches; NULL: none that still holds */
+    const Patches *lit;
+    double    *lit_radiosity, *lit_area; /* [3 * lit->count], [lit->count] */
+    bool       lit_wholly;     /* with all that is known of a solution, errors too */
+    double     asked;          /* tolerance that light is solved for */
+    bool       breakable;      /* a solver runs that another tolerance breaks off, to go on */
+    atomic_bool broken;        /* one was */
+    uint32_t   steps_before;   /* of solvers that were broken off */
     int        exit_code;
     Error      err;
 } Live;
@@ -57,16 +66,32 @@ void live_join(Live *live);
 
 /* --- parts ------------------------------------------------------------------------------------ */
 
-/* Between two steps: makes a picture that is wished for, waits while paused. What was published
- * may go after it. False: it is to end. */
+/* Between two steps: makes a picture that is wished for, waits while paused. False: it is to
+ * end. */
 bool live_step(Live *live);
 bool live_must_end(const Live *live);
 void live_begin(Live *live, const char *doing, ShownStep step);
 void live_report(Live *live);
 
-/* live_publish.c: whether it is time again, and doing it. */
+/* live_publish.c: whether it is time again, and doing it. What is needed of `light` is copied. */
 bool live_due(const Live *live);
 bool live_publish(Live *live, const LiveLight *light, Error *err);
+/* What was published is not the light of the room any more. */
+void live_forget(Live *live);
+
+/* live_solve.c: the tolerance as the window has it now, for the session's solver. */
+double live_tolerance(const Live *live);
+/* The same, of a Live, for the pipeline: light is solved for it. */
+double live_wish(void *live);
+/* Solves, once there are links; every step is seen, and another tolerance holds at once.
+ * fails  false; as pipeline_solve. */
+bool live_solve(Live *live, Error *err);
+/* The residual, or the error that solvers without links estimate. */
+double live_residual(const Pipeline *pipeline);
+
+/* live_errors.c: estimates how far each patch of the solution is off, and publishes it with all
+ * else; unless something else is wished for meanwhile. fails  false; ERROR_MEMORY. */
+bool live_errors(Live *live, bool changed, Error *err);
 
 /* live_shoot.c: the first two of the stages above. */
 bool live_shoot(Live *live, Error *err);

@@ -51,9 +51,8 @@ static RenderOptions picture_options(const Live *live, const EaselWish *wish)
 static Image *gather(Live *live, Painting *painting, const EaselWish *wish, const Links *links,
                      Error *err)
 {
-    const LiveLight *light = &live->light;
-    const Solution solution = { .count = live->pipeline->patches->count, .bands = ROOM_BANDS,
-                                .radiosity = (double *)light->radiosity };
+    const Solution solution = { .count = live->lit->count, .bands = ROOM_BANDS,
+                                .radiosity = live->lit_radiosity };
     const Monitor monitor = { .user = painting, .progress = painting_progress,
                               .stop = painting_stop };
     RenderOptions options = picture_options(live, wish);
@@ -70,13 +69,12 @@ static Image *gather(Live *live, Painting *painting, const EaselWish *wish, cons
     return image;
 }
 
-/* Areas of patches are all that a gatherer takes from links; before there are any, these do. */
+/* Areas of patches are all that a gatherer takes from links; the solver's may be half done. */
 static Links *links_of_areas(const Live *live, Error *err)
 {
-    const uint32_t count = live->pipeline->patches->count;
-    Links *links = links_empty(count, 0, err);
+    Links *links = links_empty(live->lit->count, 0, err);
     if (links != NULL)
-        memcpy(links->area, live->light.visible_area, count * sizeof *links->area);
+        memcpy(links->area, live->lit_area, live->lit->count * sizeof *links->area);
     return links;
 }
 
@@ -85,10 +83,9 @@ static void paint(Live *live, const EaselWish *wish)
     Easel *easel = &live->control->easel;
     Painting painting = { live, easel, wish->number };
     Error err = { 0 };
-    Links *own = live->light.links == NULL ? links_of_areas(live, &err) : NULL;
-    const Links *links = own != NULL ? own : live->light.links;
+    Links *links = links_of_areas(live, &err);
     Image *image = links != NULL ? gather(live, &painting, wish, links, &err) : NULL;
-    links_destroy(own);
+    links_destroy(links);
     if (!error_is_set(&err)) {
         easel_finish(easel, wish->number, image);
         return;
@@ -100,9 +97,12 @@ static void paint(Live *live, const EaselWish *wish)
 bool live_picture(Live *live)
 {
     EaselWish wish;
-    if (live->light.radiosity == NULL || !easel_take(&live->control->easel, &wish))
+    /* Divided patches have other light, which is published next. */
+    if (live->lit == NULL || live->lit != live->pipeline->patches ||
+        !easel_take(&live->control->easel, &wish))
         return false;
-    assert(live->patches == live->pipeline->patches);
+    assert(live->lit_radiosity != NULL && live->pipeline->room.patches == live->lit);
+    atomic_store(&live->painting, true);
     const Report before = live->report;
     const char *const doing = live->doing;
     const double begin = progress_now();
@@ -113,6 +113,7 @@ bool live_picture(Live *live)
     live->doing = doing;
     live->report = before;
     live->stage_begin += progress_now() - begin;
+    atomic_store(&live->painting, false);
     live_report(live);
     return true;
 }

@@ -140,6 +140,32 @@ static bool add_changes(const Live *live, Snapshot *s, Error *err)
     return true;
 }
 
+void live_forget(Live *live)
+{
+    live->lit = NULL;
+    live->lit_radiosity = array_free(live->lit_radiosity);
+    live->lit_area = array_free(live->lit_area);
+}
+
+/* Pictures may be wished for when what it was published from has gone. */
+static bool keep_light(Live *live, const LiveLight *light, Error *err)
+{
+    const size_t n = live->patches->count;
+    assert(live->patches == live->pipeline->patches);
+    if (live->lit != live->patches) {
+        live_forget(live);
+        live->lit_radiosity = array_create(3 * n, sizeof(double), "light", err);
+        live->lit_area = array_create(n, sizeof(double), "light", err);
+        if (error_is_set(err))
+            return false;
+    }
+    memcpy(live->lit_radiosity, light->radiosity, 3 * n * sizeof(double));
+    memcpy(live->lit_area, light->visible_area, n * sizeof(double));
+    live->lit = live->patches;
+    live->lit_wholly = light->error != NULL;
+    return true;
+}
+
 bool live_publish(Live *live, const LiveLight *light, Error *err)
 {
     assert(light->radiosity != NULL && light->visible_area != NULL);
@@ -157,11 +183,10 @@ bool live_publish(Live *live, const LiveLight *light, Error *err)
         (light->error != NULL && !add_error(s, light->error, err)) ||
         (light->changed && !add_changes(live, s, err)) ||
         (light->links != NULL && !add_rows(s, light->links, err)) ||
-        (light->ray_count > 0 && !add_rays(s, light, err))) {
+        (light->ray_count > 0 && !add_rays(s, light, err)) || !keep_light(live, light, err)) {
         snapshot_destroy(s);
         return false;
     }
-    live->light = *light;
     mailbox_put(live->mailbox, s);
     live->published = progress_now();
     return true;

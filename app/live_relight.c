@@ -3,6 +3,7 @@
 #include "app/live_relight.h"
 
 #include <assert.h>
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -315,11 +316,24 @@ static bool publish(Live *live, const Links *links, Error *err)
                               .irradiance = p->solution->irradiance,
                               .visible_area = p->links->area, .links = links,
                               .shooter = PATCH_NONE, .changed = true };
-    live->report.residual = p->solution->residual;
+    live->report.unshot = p->solution->unshot;
+    live->report.residual = live_residual(p);
     live->report.steps = p->solution->iterations;
     live->report.done = 1;
     live_report(live);
     return live_publish(live, &light, err);
+}
+
+/* To the tolerance that the window has now. */
+static bool solve_further(Live *live, Error *err)
+{
+    Pipeline *p = live->pipeline;
+    Solution *after = solve_again(p, p->direct.irradiance, live_wish(live), err);
+    if (after == NULL)
+        return false;
+    solution_destroy(p->solution);
+    p->solution = after;
+    return true;
 }
 
 /* Nothing was turned for a while: to the solver's own tolerance, with all that links tell. */
@@ -327,15 +341,32 @@ static bool settle(Relighting *r, Live *live, Error *err)
 {
     Pipeline *p = live->pipeline;
     r->moving = false;
-    if (!p->session->settings.stochastic) {
-        Solution *after = solve_again(p, p->direct.irradiance,
-                                      atomic_load(&live->control->tolerance), err);
-        if (after == NULL)
+    return (p->session->settings.stochastic || solve_further(live, err)) &&
+           publish(live, p->links, err);
+}
+
+bool relighting_rest(Relighting *r, Live *live, bool *done, Error *err)
+{
+    Knobs *knobs = &live->control->knobs;
+    const unsigned version = atomic_load(&knobs->version);
+    *done = !r->moving && live_tolerance(live) < live->asked;
+    if (*done) {
+        live_begin(live, "solving", STEP_SOLVED);
+        if (!solve_further(live, err))
             return false;
-        solution_destroy(p->solution);
-        p->solution = after;
+        live_begin(live, live->pipeline->solution->converged ? "converged" : "stopped",
+                   STEP_SOLVED);
+        return publish(live, live->pipeline->links, err);
     }
-    return publish(live, p->links, err);
+    if (r->moving || !up_to_date(r, knobs))
+        return true;
+    if (!live->lit_wholly && !live_errors(live, r->version > 0, err))
+        return false;
+    if (live->lit_wholly)
+        atomic_store(&knobs->settled, version);
+    if (live_tolerance(live) < live->asked) /* just now: the window has said so before us */
+        atomic_store(&knobs->settled, UINT_MAX);
+    return true;
 }
 
 bool relighting_follow(Relighting *r, Live *live, bool *done, Error *err)
@@ -346,18 +377,16 @@ bool relighting_follow(Relighting *r, Live *live, bool *done, Error *err)
     *done = false;
     if (atomic_exchange(&knobs->save, false))
         save(r, live);
-    const unsigned version = atomic_load(&knobs->version);
     if (up_to_date(r, knobs)) {
         const bool due = r->moving && progress_now() - r->turned > MOVING_SECONDS;
-        const bool good = !due || settle(r, live, err);
-        if (good && !r->moving)
-            atomic_store(&knobs->settled, version);
-        return good;
+        *done = due;
+        return !due || settle(r, live, err);
     }
     *done = true;
     r->moving = true;
     r->turned = progress_now();
     r->version = knobs_read(knobs, &setting);
     live_begin(live, "relit", STEP_SOLVED);
+    live_forget(live); /* rays would find other lamps than that light came from */
     return change(r, live->pipeline, &setting, err) && publish(live, NULL, err);
 }

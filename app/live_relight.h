@@ -36,6 +36,9 @@ void relighting_end(Relighting *relighting);
  * what was turned when that was asked for, and tells the window how it went.
  * fails  false; as relight. */
 bool relighting_follow(Relighting *relighting, Live *live, bool *done, Error *err);
+/* When there is nothing to follow: solves further for another tolerance, estimates errors; *done
+ * tells whether there was any. fails  false; as relight. */
+bool relighting_rest(Relighting *relighting, Live *live, bool *done, Error *err);
 /* Turns the scene, and what patches emit, reflect and receive from point lights, to `setting`.
  * fails  false; ERROR_MEMORY. */
 bool relighting_turn(Relighting *relighting, Pipeline *pipeline, const KnobSetting *setting,

@@ -426,7 +426,7 @@ bool live_glance(Live *live, Error *err)
     live->mesh = shown_mesh_leave(live->mesh);
     live->carry = vertex_carry_destroy(live->carry);
     live->patches = NULL;
-    live->light.radiosity = NULL;
+    live_forget(live);
     p->patches = patches_destroy(p->patches);
     p->sides = array_free(p->sides);
     p->emitting = array_free(p->emitting);

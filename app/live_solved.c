@@ -66,6 +66,7 @@ static void *run(void *user)
             if (!show_file(live, &err))
                 control_say(control, err.text);
             atomic_store(&control->restart, false);
+            atomic_store(&control->knobs.settled, atomic_load(&control->knobs.version));
             atomic_store(&control->finished, true);
         }
         nanosleep(&A_MOMENT, NULL);
@@ -81,6 +82,7 @@ bool live_solved_start(LiveSolved *live, Session *session, Mailbox *mailbox, Con
     if (!show_file(live, err))
         return false;
     atomic_store(&control->finished, true);
+    atomic_store(&control->knobs.settled, atomic_load(&control->knobs.version));
     if (pthread_create(&live->thread, NULL, run, live) != 0)
         return error_set(err, ERROR_FAILED, "no thread to read the file again");
     return true;

@@ -94,7 +94,11 @@ typedef struct Pipeline {
     Relit        relit;
     /* called after each pass of adaption; NULL: not. error: [patches] of adapt_errors */
     void (*watch)(void *user, const Links *links, const Solution *solution, const double *error);
-    void        *watch_user;
+    /* what the solver without links is to come to, asked again as it goes, and each of its steps;
+     * NULL: --tolerance, and nobody looks on */
+    double     (*tolerance)(void *user);
+    void       (*step)(void *user, const SolveStep *step);
+    void        *watch_user;    /* of all three */
     struct Saving *saving;          /* the caller's; NULL: nothing is saved */
     RenderReport render;            /* of the picture under way; then of all: rays and seconds
                                        added, samples the mean, the largest error */

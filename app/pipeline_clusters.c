@@ -5,6 +5,7 @@
 #include <assert.h>
 
 #include "app/commands.h"
+#include "app/pipeline_stochastic.h"
 #include "app/progress.h"
 #include "app/saving.h"
 #include "app/trace.h"
@@ -14,6 +15,9 @@
 /* Most rays of links for each ray that gathers last: those are visibility rays, which cost less,
  * and fewer leave links more uncertain than gathering makes up for. */
 enum { LINK_SHARE = 2 };
+
+/* What the window may raise rays by: links take memory in proportion. */
+enum { MORE_RAYS = 4 };
 
 /* What links may take of --max-memory, less what is in use. They are sorted from one copy into
  * another; what is kept of them for a checkpoint is a third one. */
@@ -41,6 +45,12 @@ static double *what_is_seen(Pipeline *pipeline, Error *err)
     return seen;
 }
 
+static void wish(void *user, double *tolerance, uint32_t *rays)
+{
+    if (pipeline_stochastic_wish(user, MORE_RAYS, tolerance, rays))
+        *rays *= LINK_SHARE;
+}
+
 bool pipeline_clusters_solve(Pipeline *pipeline, Error *err)
 {
     Session *session = pipeline->session;
@@ -54,6 +64,7 @@ bool pipeline_clusters_solve(Pipeline *pipeline, Error *err)
     const bool gather = !session->options.no_last_gather && !session->hurry;
     const bool given = options_given(&session->options, OPTION_TOLERANCE);
     ClustersKept *kept = saving_clusters(pipeline->saving);
+    trace_watch(&trace, pipeline->step, pipeline->watch_user);
     const ClustersOptions options = { .tolerance = given ? settings->tolerance : 0,
                                       .rays = LINK_SHARE * rays, .seen = seen,
                                       .gather = gather ? rays : 0,
@@ -61,7 +72,9 @@ bool pipeline_clusters_solve(Pipeline *pipeline, Error *err)
                                       .threads = settings->threads,
                                       .trace_user = &trace,
                                       .memory = memory_left(session, kept != NULL), .kept = kept,
-                                      .trace = trace.file != NULL ? trace_step : NULL };
+                                      .wish = pipeline->tolerance != NULL ? wish : NULL,
+                                      .wish_user = pipeline,
+                                      .trace = trace_wanted(&trace) ? trace_step : NULL };
     pipeline->solution = clusters_solve(&pipeline->room, &pipeline->places, &pipeline->problem,
                                         &options, &pipeline->clusters, &session->monitor, err);
     saving_tick(pipeline->saving); /* where the last round was, when it was asked to stop */

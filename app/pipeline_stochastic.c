@@ -3,6 +3,7 @@
 #include "app/pipeline_stochastic.h"
 
 #include <assert.h>
+#include <math.h>
 
 #include "app/saving.h"
 #include "app/trace.h"
@@ -10,6 +11,9 @@
 /* Links of so many patches, 320 rays each, and the copy that closing makes take up to 768 MB: what
  * a small machine has to spare. */
 enum { STOCHASTIC_PATCHES = 150000 };
+
+/* What the window may raise rays by; memory does not grow with them. */
+enum { MORE_RAYS = 16 };
 
 /* Bytes of a link, and copies of it while links are closed. */
 enum { LINK_BYTES = 8, LINK_COPIES = 2 };
@@ -72,6 +76,27 @@ bool pipeline_stochastic_places(Pipeline *pipeline, Error *err)
     return pipeline->links != NULL && pipeline_fits(pipeline, 0, session->options.scene, err);
 }
 
+bool pipeline_stochastic_wish(const Pipeline *pipeline, uint32_t most, double *tolerance,
+                              uint32_t *rays)
+{
+    const Session *session = pipeline->session;
+    const bool given = options_given(&session->options, OPTION_TOLERANCE);
+    const double first = given ? session->settings.tolerance : STOCHASTIC_TOLERANCE;
+    assert(most > 0);
+    if (pipeline->tolerance == NULL)
+        return false;
+    *tolerance = pipeline->tolerance(pipeline->watch_user);
+    /* Noise falls with the root of their number. */
+    const double more = first * first / (*tolerance * *tolerance);
+    *rays = (uint32_t)(pipeline_solver_rays(pipeline) * fmin(fmax(more, 1), most));
+    return true;
+}
+
+static void wish(void *user, double *tolerance, uint32_t *rays)
+{
+    pipeline_stochastic_wish(user, MORE_RAYS, tolerance, rays);
+}
+
 bool pipeline_stochastic_solve(Pipeline *pipeline, Error *err)
 {
     Session *session = pipeline->session;
@@ -80,10 +105,13 @@ bool pipeline_stochastic_solve(Pipeline *pipeline, Error *err)
     if (!trace_begin(&trace, session->options.trace, pipeline->links->rays, err))
         return false;
     const bool given = options_given(&session->options, OPTION_TOLERANCE);
+    trace_watch(&trace, pipeline->step, pipeline->watch_user);
     const StochasticOptions so = { .tolerance = given ? settings->tolerance : 0,
                                    .rays = pipeline_solver_rays(pipeline), .seed = settings->seed,
                                    .threads = settings->threads, .trace_user = &trace,
-                                   .trace = trace.file != NULL ? trace_step : NULL,
+                                   .trace = trace_wanted(&trace) ? trace_step : NULL,
+                                   .wish = pipeline->tolerance != NULL ? wish : NULL,
+                                   .wish_user = pipeline,
                                    .kept = saving_light(pipeline->saving) };
     pipeline->solution = stochastic_solve(&pipeline->room, &pipeline->places, &pipeline->problem,
                                           &so, &pipeline->stochastic, &session->monitor, err);

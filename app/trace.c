@@ -19,10 +19,23 @@ bool trace_begin(Trace *trace, const char *path, uint64_t rays, Error *err)
     return true;
 }
 
+void trace_watch(Trace *trace, void (*watch)(void *user, const SolveStep *step), void *user)
+{
+    assert(trace != NULL);
+    trace->watch = watch;
+    trace->watch_user = user;
+}
+
+bool trace_wanted(const Trace *trace) { return trace->file != NULL || trace->watch != NULL; }
+
 void trace_step(void *user, const SolveStep *step)
 {
     const Trace *trace = user;
-    assert(trace->file != NULL);
+    assert(trace_wanted(trace));
+    if (trace->watch != NULL)
+        trace->watch(trace->watch_user, step);
+    if (trace->file == NULL)
+        return;
     FILE *out = outfile_stream(trace->file);
     fprintf(out, "%" PRIu32 ",%.6f,%" PRIu64 ",%.9g,%.9g,", step->step, step->seconds,
             trace->rays + step->rays, step->residual, step->unshot);

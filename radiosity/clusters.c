@@ -164,12 +164,27 @@ static void sweep(Run *run, double least, bool last, const Monitor *monitor)
     }
 }
 
+/* What is wanted by now. */
+static void set_tolerance(Run *run)
+{
+    const ClustersOptions *o = run->options;
+    uint32_t rays = o->rays > 0 ? o->rays : 256;
+    run->tolerance = o->tolerance > 0 ? o->tolerance : DEFAULT_TOLERANCE;
+    if (o->wish != NULL) {
+        o->wish(o->wish_user, &run->tolerance, &rays);
+        run->links.most_rays = (uint64_t)rays * run->tree.leaves;
+        run->links.spent = run->links.rays >= run->links.most_rays;
+    }
+    run->links_tolerance = (o->gather > 0 ? FORGIVEN : 1) * run->tolerance;
+}
+
 /* One round; false when it is the last one. */
 static bool run_round(Run *run, const Monitor *monitor, Error *err)
 {
     ClusterLinks *links = &run->links;
     ClusterOracle *oracle = &run->oracle;
     uint64_t refined;
+    set_tolerance(run);
     set_shine(run);
     set_weights(run);
     if (!cluster_links_refine(links, oracle, &refined, err))
@@ -179,6 +194,7 @@ static bool run_round(Run *run, const Monitor *monitor, Error *err)
     set_shine(run);
     run->report->rounds++;
     run->report->error = cluster_links_error(links, oracle);
+    set_tolerance(run);
     const double error = run->report->error, spent = ROUND_LEFT * (double)links->most_rays;
     if (error <= run->links_tolerance || links->spent || links->full || links->stopped ||
         (double)links->rays > spent)
@@ -389,11 +405,10 @@ Solution *clusters_solve(const Room *room, const OpenPlaces *places, const Solve
         return NULL;
     assert(problem->bands == ROOM_BANDS && places->links->count == room->patches->count);
     Run run = { .options = options, .problem = problem, .report = out,
-                .tolerance = options->tolerance > 0 ? options->tolerance : DEFAULT_TOLERANCE,
                 .begun = clock_seconds() };
-    run.links_tolerance = (options->gather > 0 ? FORGIVEN : 1) * run.tolerance;
     run.solution = new_solution(room->patches->count, err);
     if (run.solution != NULL && run_create(&run, room, places, monitor, err)) {
+        set_tolerance(&run);
         start(&run);
         if (run_rounds(&run, monitor, err)) {
             sweep(&run, SWEPT * run.links_tolerance, true, monitor);

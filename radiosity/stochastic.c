@@ -508,16 +508,28 @@ static bool take_up(Run *run, uint32_t *rays)
     return true;
 }
 
-static void solve_all(Run *run, Solution *solution, const Monitor *monitor)
+/* Whether the error is small enough by now; *most: rays that may be cast in all. */
+static bool is_reached(Run *run, double *tolerance, double *most)
 {
     const StochasticOptions *o = run->options;
-    const double tolerance = o->tolerance > 0 ? o->tolerance : DEFAULT_TOLERANCE;
-    const double most = (double)(o->rays > 0 ? o->rays : 256) * run->shooter.count;
+    uint32_t rays = o->rays > 0 ? o->rays : 256;
+    *tolerance = o->tolerance > 0 ? o->tolerance : DEFAULT_TOLERANCE;
+    if (o->wish != NULL)
+        o->wish(o->wish_user, tolerance, &rays);
+    *most = (double)rays * run->shooter.count;
+    return run->report->error <= *tolerance;
+}
+
+static void solve_all(Run *run, Solution *solution, const Monitor *monitor)
+{
+    double tolerance, most;
+    is_reached(run, &tolerance, &most);
     for (unsigned b = 0; b < ROOM_BANDS; b++)
         run->scale[b] = 1;
     uint32_t rays;
     if (!take_up(run, &rays)) {
         shoot_all(run, solution, most, monitor);
+        is_reached(run, &tolerance, &most);
         rays = run->quantum > 0 || run->shooter.lamp_power > 0 ? round_rays(run, most) : 0;
         deal_sights(run, rays);
         if (!monitor_stop(monitor))
@@ -533,10 +545,10 @@ static void solve_all(Run *run, Solution *solution, const Monitor *monitor)
         run->report->error = estimate_error(run);
         find_scale(run);
         keep(run, rays);
-        reached = run->report->error <= tolerance;
         const double squared = tolerance / fmax(run->report->error, tolerance);
         tell(run, solution, fmin(1, fmax(squared * squared, (double)count_rays(run) / most)),
              monitor);
+        reached = is_reached(run, &tolerance, &most); /* whoever looked may have asked for more */
     }
     solution->converged = run->report->error <= tolerance;
 }

@@ -46,6 +46,10 @@ typedef struct {
     void   (*trace)(void *user, const SolveStep *step); /* after shooting, after each round:
                                                             residual is the estimated error */
     void    *trace_user;
+    /* asked before each round for what is wanted by then, in place of tolerance and rays; NULL: it
+     * stays */
+    void   (*wish)(void *user, double *tolerance, uint32_t *rays);
+    void    *wish_user;
     StochasticKept *kept;    /* what the run goes on from, and keeps; NULL: neither */
 } StochasticOptions;
 

@@ -20,7 +20,8 @@ typedef struct {
     double      done;       /* share of that, 0..1; < 0: not known */
     double      unshot;     /* share of the power not yet passed on; < 0: not known */
     double      residual;   /* < 0: not known */
-    double      seconds;    /* since the beginning */
+    bool        estimated;  /* it is the error of light, estimated by a solver without links */
+    double      seconds;    /* since the beginning, pauses left out */
     double      left;       /* seconds to go, estimated; < 0: not known */
     uint64_t    rays, memory; /* cast so far; bytes */
     double      rays_per_second;
@@ -31,7 +32,8 @@ typedef struct {
     atomic_bool quit, restart, reload, paused;
     atomic_uint steps;      /* to do while it is paused */
     atomic_int  solver;     /* Solver, or SOLVER_COUNT: by rays alone */
-    _Atomic double tolerance;
+    _Atomic double tolerance; /* of the residual */
+    _Atomic double error;   /* of the estimated error, where the solver has no links */
     atomic_bool failed;     /* the solver's thread has ended with an error: close */
     atomic_bool finished;   /* nothing is left to do */
     Knobs       knobs;

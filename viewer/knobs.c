@@ -3,6 +3,7 @@
 #include "viewer/knobs.h"
 
 #include <assert.h>
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -176,7 +177,7 @@ void knobs_init(Knobs *knobs)
 {
     assert(knobs != NULL);
     atomic_init(&knobs->version, 0);
-    atomic_init(&knobs->settled, 0);
+    atomic_init(&knobs->settled, UINT_MAX); /* nothing is solved for yet */
     atomic_init(&knobs->save, false);
     pthread_mutex_init(&knobs->lock, NULL);
     memset(&knobs->setting, 0, sizeof knobs->setting);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Panels: what the solver does, how it is shown, what was picked. */
 #include <assert.h>
+#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -13,6 +14,8 @@
 
 static const double PI = 3.14159265358979323846;
 static const double COLUMN = 13; /* letters before the second column */
+/* Per cent, of solvers that estimate their error: what rays come to in seconds, and in hours. */
+static const double ERROR_LEAST = 0.1, ERROR_MOST = 20;
 
 __attribute__((format(printf, 2, 3)))
 static void row(const char *name, const char *format, ...)
@@ -36,12 +39,20 @@ static const char *count_text(double n, char *text, size_t size)
     return text;
 }
 
+static void ask_tolerance(Control *control, _Atomic double *which, double tolerance)
+{
+    atomic_store(which, tolerance);
+    atomic_store(&control->knobs.settled, UINT_MAX); /* until it is solved for */
+}
+
 static void solver_choices(Viewer *viewer)
 {
     const char *names[SOLVER_COUNT + 1];
     Control *control = viewer->control;
     int solver = atomic_load(&control->solver);
+    const bool estimates = solver == SOLVER_COUNT || solver == SOLVER_HIERARCHICAL;
     double tolerance = log10(atomic_load(&control->tolerance));
+    double error = 100 * atomic_load(&control->error);
     for (int k = 0; k < SOLVER_COUNT; k++)
         names[k] = solver_name((Solver)k);
     names[SOLVER_COUNT] = "stochastic";
@@ -49,8 +60,10 @@ static void solver_choices(Viewer *viewer)
         atomic_store(&control->solver, solver);
         viewer_say(viewer, "the solver is another from the next beginning on: Ctrl-R");
     }
-    if (gui_slider("tolerance", &tolerance, -8, -1, "1e%.0f", false))
-        atomic_store(&control->tolerance, pow(10, round(tolerance)));
+    if (estimates && gui_slider("tolerance", &error, ERROR_LEAST, ERROR_MOST, "%.2g %%", true))
+        ask_tolerance(control, &control->error, 0.01 * fmax(ERROR_LEAST, error));
+    if (!estimates && gui_slider("tolerance", &tolerance, -8, -1, "1e%.0f", false))
+        ask_tolerance(control, &control->tolerance, pow(10, round(tolerance)));
 }
 
 static void solver_rows(const Report *r)
@@ -67,7 +80,9 @@ static void solver_rows(const Report *r)
     }
     if (r->unshot >= 0)
         row("unshot", "%.3g %% of the power", 100 * r->unshot);
-    if (r->residual >= 0)
+    if (r->residual >= 0 && r->estimated)
+        row("off by", "%.2g %%, estimated", 100 * r->residual);
+    else if (r->residual >= 0)
         row("residual", "%.2g after %u steps", r->residual, r->steps);
     row("memory", "%.0f MB", 1e-6 * (double)r->memory);
     if (r->left >= 1)

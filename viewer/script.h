@@ -15,7 +15,7 @@
  *   wait frames N | wait lit | wait shot | wait linked | wait solved
  *   wait picture             until the one that R asked for is finished
  *   wait tiles X             until that share of it is, 0..1
- *   wait settled             until light has followed all that was changed
+ *   wait settled             until light has followed all that was changed, its error estimated
  *   wait said TEXT           until the window says a line with that in it
  *   screenshot FILE          PNG of the next frame
  */

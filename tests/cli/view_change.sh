@@ -97,4 +97,21 @@ sed '/^click/,$d' change.txt >rays.txt
 ok "solved for by rays again" exits 0 view room.msd --patches 800 --solver stochastic \
     --tolerance 0.002 --threads 2 --progress none "${size[@]}" --script rays.txt
 ok "it is the same light" below bias 1 changed-view.exr room-view-3.exr
+
+# --- the tolerance --------------------------------------------------------------------------------
+
+# finer KEY MOST SOLVER WORDS...: begins at 0.1; what the slider asks for then is reached.
+printf 'wait solved\nwait settled\nwait frames 3\ndrag left 168 225 96 225\nwait settled\n' >finer.txt
+finer() {
+    local key=$1 most=$2
+    run view room.msd --patches 300 --threads 2 --progress none "${size[@]}" --script finer.txt \
+        --tolerance 0.1 --json finer.json --solver "${@:3}" &&
+        awk -v key="\"$key\":" -v most="$most" '
+            $1 == key { v = $2 + 0; n = 1 }
+            END { print "# " key " " v; exit !(n && v <= most) }' finer.json
+}
+ok "a finer tolerance, with links" finer residual 1e-4 gauss-seidel --rays 32 --no-adapt
+ok "by shooting" finer residual 1e-4 progressive --rays 32 --no-adapt
+ok "by rays alone" finer estimated_error 0.03 stochastic
+ok "between clusters" finer estimated_error 0.03 hierarchical
 finish

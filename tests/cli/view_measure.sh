@@ -12,6 +12,7 @@ cube=(cube.obj --unit-m 10 --patches 400 --rays 64 --no-adapt --threads 2 --prog
 
 cat >all.txt <<END
 wait solved
+wait settled
 key Tab
 wait frames 2
 screenshot plain.png
@@ -56,12 +57,14 @@ ok "and those without isolines" eval '! cmp -s log.png bare.png'
 
 # --- probes ---------------------------------------------------------------------------------------
 
-# A closed room: rows of form factors sum to 1; luminance is radiosity over pi.
+# A closed room: rows of form factors sum to 1; luminance is radiosity over pi. The error of what
+# is solved for is estimated, less than the light itself.
 probes_are_right() {
     awk -F, '
         NR == 1 { if ($11 != "lux" || $16 != "row_sum" || NF != 16) exit 1; next }
         { n++
           if ($8 !~ /^"/ || $9 !~ /^"/) exit 1
+          if ($12 == "" || $12 < 0 || $12 >= $11) exit 1
           if ($16 < 0.999 || $16 > 1.001 || $11 <= 0) exit 1
           d = $15 * 3.14159265 - $13
           if (d * d > 1e-10 * $13 * $13) exit 1 }

@@ -56,6 +56,11 @@ wait solved
 END
 ok "at first light, and while it is paused" exits 0 view "${cube[@]}" "${gathering[@]}" \
     --script early.txt
+# Rows of links with so many rays take seconds: the picture does not wait for them.
+printf 'wait shot\nkey R\nwait picture\nkey Ctrl-Q\nwait frames 2\n' >links.txt
+ok "while links are cast" exits 0 view "${cube[@]:0:3}" --rays 8000 --threads 2 --no-adapt \
+    --progress none "${gathering[@]}" --script links.txt --json links.json
+ok "of which there are none yet" eval '! grep -q nonzeros links.json'
 # gone WHAT: after that nothing is painted any more.
 gone() {
     printf 'wait solved\nkey R\n%s\nwait frames 3\nwait picture\n' "$1" >gone.txt
