@@ -35,6 +35,7 @@ static ViewerOptions viewer_options(const Options *options, const char *command)
         .tone = (ToneCurve)options->tone,
         .photometric = options->units == UNITS_PHOTOMETRIC,
         .unit_m = options->unit_m,
+        .threads = (unsigned)options->threads,
     };
 }
 

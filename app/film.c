@@ -27,7 +27,7 @@ static const char *film_label(FilmQuantity quantity, int units)
 {
     if (units == UNITS_RADIOMETRIC)
         return quantity == FILM_ILLUMINANCE ? "W/m2" : "W/m2/sr";
-    return quantity == FILM_ILLUMINANCE ? "lx" : "cd/m2";
+    return quantity == FILM_ILLUMINANCE ? "lux" : "cd/m2";
 }
 
 static float *film_values(const Image *image, FilmQuantity quantity, Error *err)

@@ -77,7 +77,7 @@ static const CommandHelp command_help[] = {
       "  isolux develop room.exr --false-colour luminance --log --range 1,10000\n"
       "  isolux develop room.exr --mix lamp=0.5 --mix window=1,0.8,0.6\n",
       "Without -o: room.png, or room.illuminance.png for false colours, beside the picture.\n"
-      "Values are labelled lx and cd/m2, with --units radiometric W/m2 and W/m2/sr.\n" },
+      "Values are labelled lux and cd/m2, with --units radiometric W/m2 and W/m2/sr.\n" },
 };
 enum { HELP_COUNT = sizeof command_help / sizeof *command_help };
 

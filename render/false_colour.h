@@ -38,7 +38,7 @@ void false_colour_range(const float *values, size_t count, FalseColour *scale);
 int false_colour_ticks(const FalseColour *scale, int most, double *ticks);
 
 /* PNG of values [width * height], row by row from the top, NAN: nothing there (grey). label: of the
- * legend, "lx"; ASCII.
+ * legend, "lux"; ASCII.
  * fails  false; ERROR_MEMORY, ERROR_FAILED for the file. */
 bool false_colour_write(const float *values, int width, int height, const FalseColour *scale,
                         const char *label, const ImageInfo *info, const char *path, Error *err);

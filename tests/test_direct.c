@@ -44,7 +44,7 @@ static void test_cie_5_2(void **state)
         TestRoom r = { 0 };
         const uint32_t m = room_material(&r, 0.5, 0);
         /* A square of 2 cm around each point: the mean differs from the point's value by
-         * h^2/24 (E_xx + E_yy) < 2e-4 lx, E changing over some 3 m. */
+         * h^2/24 (E_xx + E_yy) < 2e-4 lux, E changing over some 3 m. */
         for (int k = 0; k < POINTS; k++) {
             char name[16];
             snprintf(name, sizeof name, "p%d", k);

@@ -125,7 +125,7 @@ static void picture_shows_values_lines_and_legend(void **state)
             values[y * W + x] = y < 4 ? NAN : (float)x;
     const FalseColour scale = { .low = 0, .high = 100, .isolines = true };
     Error err = { 0 };
-    assert_true(false_colour_write(values, W, H, &scale, "lx", NULL, path, &err));
+    assert_true(false_colour_write(values, W, H, &scale, "lux", NULL, path, &err));
     png_image png = { .version = PNG_IMAGE_VERSION };
     assert_true(png_image_begin_read_from_file(&png, path));
     png.format = PNG_FORMAT_RGB;
@@ -148,7 +148,7 @@ static void picture_shows_values_lines_and_legend(void **state)
     assert_true(white > 100); /* letters */
     free(pixels);
     unlink(path);
-    assert_false(false_colour_write(values, W, H, &scale, "lx", NULL, "/nonexistent/x.png", &err));
+    assert_false(false_colour_write(values, W, H, &scale, "lux", NULL, "/nonexistent/x.png", &err));
     assert_int_equal(err.code, ERROR_FAILED);
 }
 

@@ -253,7 +253,7 @@ static void layers_from_a_snapshot(void **state)
             else if (k == SHOWN_RESIDUAL)
                 assert_true(isnan(out[i]));
     }
-    assert_string_equal(layer_unit(SHOWN_DIRECT, true), "lx");
+    assert_string_equal(layer_unit(SHOWN_DIRECT, true), "lux");
     array_free(h);
     array_free(out);
     hide(&s);

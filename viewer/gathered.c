@@ -7,11 +7,7 @@
 
 #include "viewer/gui.h"
 #include "viewer/internal.h"
-
-static bool same_place(Vec3 a, Vec3 b)
-{
-    return !(a.x < b.x || a.x > b.x || a.y < b.y || a.y > b.y || a.z < b.z || a.z > b.z);
-}
+#include "viewer/matrix.h"
 
 /* The window draws all cameras as pinholes, and so the picture is made. */
 static Camera camera_of_view(const Viewer *viewer)
@@ -25,11 +21,8 @@ static Camera camera_of_view(const Viewer *viewer)
 static bool is_this_view(const Viewer *viewer, const EaselWish *wish)
 {
     const GlView *view = &viewer->view;
-    const Camera *a = &view->camera, *b = &wish->camera;
     return view->width == wish->width && view->height == wish->height &&
-           same_place(a->eye, b->eye) && same_place(a->target, b->target) &&
-           same_place(a->up, b->up) &&
-           !(a->vertical_fov < b->vertical_fov || a->vertical_fov > b->vertical_fov);
+           view_same(&view->camera, &wish->camera);
 }
 
 void gathered_ask(Viewer *viewer)

@@ -30,9 +30,16 @@ void gui_end(void);
 
 /* --- panels ----------------------------------------------------------------------------------- */
 
-/* Places in pixels; width 0: as wide as it needs. Returns the y below it through gui_panel_end. */
-bool gui_panel(const char *title, double x, double y, double width);
-double gui_panel_end(void);
+/* Places in pixels; one higher than `room` scrolls. False: nothing of it is seen but the title;
+ * gui_panel_end is due all the same. */
+bool gui_panel(const char *title, double x, double y, double width, double room);
+/* Returns the y below it. need: the height that all of it takes, left as it is when it is folded;
+ * NULL: not asked. */
+double gui_panel_end(double *need);
+/* Folds the next panel to its title, or opens it. */
+void gui_fold(bool fold);
+/* Height of a panel that is folded. */
+double gui_title_height(void);
 /* A panel in the middle of the picture. */
 bool gui_overlay(const char *title, double width, double height);
 /* A line of text at the lower end of the picture. */

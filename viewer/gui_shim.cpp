@@ -23,9 +23,11 @@ static void set_style(double scale)
     style.WindowBorderSize = 0;
     style.WindowPadding = ImVec2(10, 8);
     style.ItemSpacing = ImVec2(8, 5);
-    style.Colors[ImGuiCol_WindowBg] = ImVec4(0.09f, 0.10f, 0.11f, 0.92f);
+    /* Opaque: figures and marks of the picture lie below. */
+    style.Colors[ImGuiCol_WindowBg] = style.Colors[ImGuiCol_PopupBg] =
+        ImVec4(0.09f, 0.10f, 0.11f, 1);
     style.Colors[ImGuiCol_TitleBgActive] = style.Colors[ImGuiCol_TitleBg] =
-        ImVec4(0.14f, 0.18f, 0.24f, 0.95f);
+        style.Colors[ImGuiCol_TitleBgCollapsed] = ImVec4(0.14f, 0.18f, 0.24f, 1);
     style.Colors[ImGuiCol_PlotHistogram] = ImVec4(0.90f, 0.60f, 0.15f, 1);
     style.Colors[ImGuiCol_TextDisabled] = ImVec4(0.63f, 0.66f, 0.70f, 1);
     style.ScaleAllSizes((float)scale);
@@ -126,18 +128,25 @@ void gui_end(void)
 
 /* --- panels ----------------------------------------------------------------------------------- */
 
-bool gui_panel(const char *title, double x, double y, double width)
+void gui_fold(bool fold) { ImGui::SetNextWindowCollapsed(fold); }
+double gui_title_height(void) { return (double)ImGui::GetFrameHeight(); }
+
+bool gui_panel(const char *title, double x, double y, double width, double room)
 {
     ImGui::SetNextWindowPos(ImVec2((float)x, (float)y));
     ImGui::SetNextWindowSize(ImVec2((float)width, 0));
+    ImGui::SetNextWindowSizeConstraints(ImVec2((float)width, 0), ImVec2((float)width, (float)room));
     return ImGui::Begin(title, nullptr,
                         ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                             ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
                             ImGuiWindowFlags_NoFocusOnAppearing);
 }
 
-double gui_panel_end(void)
+double gui_panel_end(double *need)
 {
+    const ImGuiStyle &style = ImGui::GetStyle();
+    if (need != nullptr && !ImGui::IsWindowCollapsed())
+        *need = (double)(ImGui::GetCursorPosY() - style.ItemSpacing.y + style.WindowPadding.y);
     const double below = (double)ImGui::GetWindowPos().y + (double)ImGui::GetWindowHeight();
     ImGui::End();
     return below;
@@ -148,7 +157,6 @@ bool gui_overlay(const char *title, double width, double height)
     const ImVec2 room = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos(ImVec2(0.5f * room.x, 0.5f * room.y), 0, ImVec2(0.5f, 0.5f));
     ImGui::SetNextWindowSize(ImVec2((float)width, (float)height));
-    ImGui::SetNextWindowBgAlpha(0.98f);
     return ImGui::Begin(title, nullptr,
                         ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                             ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |

@@ -5,6 +5,7 @@
 
 #include "viewer/bindings.h"
 #include "viewer/gl.h"
+#include "viewer/layout.h"
 #include "viewer/measuring.h"
 #include "viewer/script.h"
 #include "viewer/viewer.h"
@@ -35,6 +36,8 @@ typedef struct Viewer {
     bool        automatic;     /* exposure follows what is seen */
     bool        exposure_due;  /* it must be found again */
     bool        panels, help;
+    LaidPanel   panel[PANEL_COUNT];
+    bool        folded[PANEL_COUNT]; /* as laid last */
     bool        changing;      /* lamps and paint are open */
     bool        has_gui;
     bool        rescaled;      /* the screen's scale is another */
@@ -89,9 +92,12 @@ bool renew_if_lost(Viewer *viewer, Error *err);
 
 /* --- panels.c --------------------------------------------------------------------------------- */
 void panels_draw(Viewer *viewer);
+/* A panel where it was laid; between them its rows, if the first says true. Returns the y below. */
+bool panel_begin(Viewer *viewer, PanelId id, const char *title);
+double panel_end(Viewer *viewer, PanelId id);
 /* marks_shot.c: the patch that shot last. */
 void marks_shot(const Viewer *viewer);
-/* panels_change.c: lamps and paint, at the right; places in pixels. */
-void panels_change(Viewer *viewer, double width, double gap);
+/* panels_change.c: lamps and paint, at the right. */
+void panels_change(Viewer *viewer);
 
 #endif

@@ -18,12 +18,12 @@ enum {
 
 static const LayerRow layer_rows[SHOWN_COUNT] = {
     [SHOWN_RADIOSITY] = { "radiosity", "lm/m2", "W/m2", NEEDS_B },
-    [SHOWN_IRRADIANCE] = { "irradiance", "lx", "W/m2", NEEDS_H },
-    [SHOWN_DIRECT] = { "direct", "lx", "W/m2", NEEDS_D },
-    [SHOWN_INDIRECT] = { "indirect", "lx", "W/m2", NEEDS_H | NEEDS_D },
+    [SHOWN_IRRADIANCE] = { "irradiance", "lux", "W/m2", NEEDS_H },
+    [SHOWN_DIRECT] = { "direct", "lux", "W/m2", NEEDS_D },
+    [SHOWN_INDIRECT] = { "indirect", "lux", "W/m2", NEEDS_H | NEEDS_D },
     [SHOWN_UNSHOT] = { "unshot", "lm/m2", "W/m2", 1U << LAYER_UNSHOT },
     [SHOWN_RESIDUAL] = { "residual", "lm/m2", "W/m2", NEEDS_B | NEEDS_H },
-    [SHOWN_ERROR] = { "error", "lx", "W/m2", 1U << LAYER_ERROR },
+    [SHOWN_ERROR] = { "error", "lux", "W/m2", 1U << LAYER_ERROR },
     [SHOWN_REFLECTANCE] = { "reflectance", "", "", 0 },
     [SHOWN_FACTORS] = { "form factors", "", "", 0 },
 };

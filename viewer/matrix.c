@@ -99,6 +99,18 @@ static Vec3 swung(Vec3 way, Vec3 up, Vec3 right, double across, double along)
     return turned(way, up, -across);
 }
 
+static bool same_place(Vec3 a, Vec3 b)
+{
+    return !(a.x < b.x || a.x > b.x || a.y < b.y || a.y > b.y || a.z < b.z || a.z > b.z);
+}
+
+bool view_same(const Camera *a, const Camera *b)
+{
+    return same_place(a->eye, b->eye) && same_place(a->target, b->target) &&
+           same_place(a->up, b->up) &&
+           !(a->vertical_fov < b->vertical_fov || a->vertical_fov > b->vertical_fov);
+}
+
 void view_orbit(Camera *camera, Vec3 up, double across, double along)
 {
     const ViewFrame f = view_frame(camera);

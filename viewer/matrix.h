@@ -20,6 +20,9 @@ Vec3 view_direction(const Camera *camera, double x, double y, int width, int hei
 /* The pixel that shows a place, also outside the picture; false: it is behind the eye. */
 bool view_pixel(const Camera *camera, Vec3 place, int width, int height, double *x, double *y);
 
+/* Whether both show the same. */
+bool view_same(const Camera *a, const Camera *b);
+
 /* Turns the eye round the target, or the target round the eye; radians to the right and up. The
  * picture stays upright: `up` is that of the scene. */
 void view_orbit(Camera *camera, Vec3 up, double across, double along);

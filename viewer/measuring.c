@@ -28,6 +28,7 @@ void measuring_clear(Measuring *m)
     array_free(m->vertex);
     array_free(m->factors);
     plane_destroy(m->plane);
+    array_free(m->sight);
     probes_clear(&m->probes);
 }
 
@@ -126,7 +127,8 @@ static void renew_plane(Viewer *viewer, Error *err)
         return;
     }
     plane_destroy(m->plane);
-    m->plane = m->plane_on ? plane_create(mesh, &wish, 0, err) : NULL;
+    m->sighted = false;
+    m->plane = m->plane_on ? plane_create(mesh, &wish, viewer->options->threads, err) : NULL;
     m->plane_fits = m->plane != NULL;
 }
 
@@ -139,7 +141,7 @@ static void gather_plane(Viewer *viewer, Error *err)
         return;
     for (uint32_t cast = 0; cast < PLANE_RAYS_FRAME && m->plane->rays < PLANE_RAYS_MOST;
          cast += PLANE_RAYS_STEP * m->plane->count)
-        if (!plane_gather(m->plane, viewer->shown, PLANE_RAYS_STEP, 0, err))
+        if (!plane_gather(m->plane, viewer->shown, PLANE_RAYS_STEP, viewer->options->threads, err))
             return;
     plane_report(m->plane, &m->report, err);
     viewer->dirty = true;

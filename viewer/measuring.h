@@ -39,6 +39,10 @@ typedef struct Measuring {
     double     height, margin;  /* metres */
     Plane     *plane;
     PlaneReport report;
+    float     *sight;           /* [2 * plane->count]  pixels, NAN: hidden; as from sight_camera */
+    bool       sighted;         /* it is of this plane and mesh */
+    Camera     sight_camera;
+    int        sight_width, sight_height;
     Probes     probes;
     double     panel_bottom;    /* pixels: where the panel ends */
 } Measuring;
@@ -64,7 +68,7 @@ ShownLayer measuring_layer(const struct Viewer *viewer);
 void measuring_region(struct Viewer *viewer);
 
 /* The panel at the right, and marks over the picture. */
-void measuring_panel(struct Viewer *viewer, double scale);
+void measuring_panel(struct Viewer *viewer);
 void measuring_marks(struct Viewer *viewer, double scale);
 
 #endif

@@ -17,6 +17,12 @@ enum { REGION_MOST = 96 };
 
 /* --- keys ------------------------------------------------------------------------------------- */
 
+static bool name_file(const Viewer *viewer, const char *word, char *path, size_t size, Error *err)
+{
+    return files_free_name(viewer, word, ".csv", path, size) ||
+           error_set(err, ERROR_FAILED, "there is no free name like ...-%s.csv", word);
+}
+
 static void save(Viewer *viewer)
 {
     Measuring *m = &viewer->measuring;
@@ -25,10 +31,11 @@ static void save(Viewer *viewer)
     Error err = { 0 };
     if (m->probes.count == 0 && m->plane == NULL)
         viewer_say(viewer, "no probes yet: Shift-click keeps one; K lays a work plane");
-    if (m->probes.count > 0 && files_free_name(viewer, "probes", ".csv", path, sizeof path) &&
+    if (m->probes.count > 0 && name_file(viewer, "probes", path, sizeof path, &err) &&
         probes_write(&m->probes, lux, path, &err))
         viewer_say(viewer, "saved %s", path);
-    if (m->plane != NULL && files_free_name(viewer, "plane", ".csv", path, sizeof path) &&
+    if (m->plane != NULL && !error_is_set(&err) &&
+        name_file(viewer, "plane", path, sizeof path, &err) &&
         plane_write(m->plane, lux, path, &err))
         viewer_say(viewer, "saved %s", path);
     if (error_is_set(&err))

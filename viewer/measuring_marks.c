@@ -4,17 +4,21 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "base/array.h"
+#include "base/parallel.h"
 #include "viewer/gui.h"
 #include "viewer/internal.h"
 #include "viewer/matrix.h"
 
 static const GuiInk WHITE = { 255, 255, 255, 255 };
-static const GuiInk SHADE = { 12, 13, 15, 205 };
+static const GuiInk SHADE = { 12, 13, 15, 255 }; /* figures of the plane lie below */
 static const GuiInk LINE = { 255, 255, 255, 150 };
 static const GuiInk AMBER = { 255, 190, 70, 255 };
 static const double BAR = 20;           /* width of the legend's bar */
 /* Points nearer to each other than this, in pixels, have no room for a figure. */
 static const double FIGURE_ROOM = 44;
+/* Points looked at together: fewer are not worth a thread. */
+enum { SIGHT_CHUNK = 256 };
 
 /* --- where things are ------------------------------------------------------------------------- */
 
@@ -76,7 +80,10 @@ static void legend(Viewer *viewer, double scale)
 {
     Measuring *m = &viewer->measuring;
     const GlView *view = &viewer->view;
-    const double top = viewer->panels ? m->panel_bottom : 0, least = 150 * scale;
+    const bool changing = viewer->panel[PANEL_CHANGE].there;
+    const LaidPanel *beside = &viewer->panel[changing ? PANEL_CHANGE : PANEL_MEASURE];
+    const bool above = viewer->panels && beside->there && beside->x > view->width / 2.0;
+    const double top = above ? m->panel_bottom : 0, least = 150 * scale;
     const bool below = view->height - top > least + 60 * scale;
     const double right = view->width - (below ? 14 * scale : 275 * scale);
     const double y0 = (below ? top : 0) + 42 * scale, y1 = view->height - 28 * scale;
@@ -111,6 +118,41 @@ static void plane_corners(const Viewer *viewer)
             gui_mark_line(x[k], y[k], x[(k + 1) % 4], y[(k + 1) % 4], LINE);
 }
 
+static void sight_chunk(void *context, uint32_t begin, uint32_t end, unsigned worker)
+{
+    const Viewer *viewer = context;
+    const Measuring *m = &viewer->measuring;
+    (void)worker;
+    for (uint32_t i = begin; i < end; i++) {
+        double x, y;
+        const bool seen = place_seen(viewer, m->plane->point[i], &x, &y);
+        m->sight[2 * (size_t)i] = seen ? (float)x : NAN;
+        m->sight[2 * (size_t)i + 1] = seen ? (float)y : NAN;
+    }
+}
+
+/* Where points are in the picture; as long as nothing moves it is known. */
+static bool find_sight(Viewer *viewer)
+{
+    Measuring *m = &viewer->measuring;
+    const GlView *view = &viewer->view;
+    Error err = { 0 };
+    if (m->sighted && m->sight_width == view->width && m->sight_height == view->height &&
+        view_same(&m->sight_camera, &view->camera))
+        return true;
+    array_free(m->sight);
+    m->sight = array_create(2 * (size_t)m->plane->count, sizeof *m->sight, "work plane", &err);
+    m->sighted = m->sight != NULL;
+    if (!m->sighted)
+        return false;
+    m->sight_camera = view->camera;
+    m->sight_width = view->width;
+    m->sight_height = view->height;
+    parallel_for(m->plane->count, SIGHT_CHUNK, viewer->options->threads, sight_chunk, viewer, NULL,
+                 NULL);
+    return true;
+}
+
 static void plane_points(const Viewer *viewer, double scale)
 {
     const Measuring *m = &viewer->measuring;
@@ -122,10 +164,10 @@ static void plane_points(const Viewer *viewer, double scale)
         colours = m->map.scale;
     double last_x = -INFINITY, last_y = -INFINITY;
     for (uint32_t i = 0; i < p->count; i++) {
-        double x, y;
+        const double x = (double)m->sight[2 * (size_t)i], y = (double)m->sight[2 * (size_t)i + 1];
         uint8_t rgb[3];
         const double value = plane_value(p, i);
-        if (isnan(value) || !place_seen(viewer, p->point[i], &x, &y))
+        if (isnan(value) || isnan(x))
             continue;
         false_colour_of(&colours, false_colour_place(&colours, value), rgb);
         gui_mark_dot(x, y, 5 * scale, (GuiInk){ 10, 10, 10, 255 });
@@ -164,7 +206,8 @@ void measuring_marks(Viewer *viewer, double scale)
         return;
     if (m->plane_on && m->plane != NULL && m->plane->rays > 0) {
         plane_corners(viewer);
-        plane_points(viewer, scale);
+        if (find_sight(viewer))
+            plane_points(viewer, scale);
     }
     probe_marks(viewer, scale);
     if (m->has_region || m->grip == GRIP_REGION)

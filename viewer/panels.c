@@ -14,6 +14,7 @@
 
 static const double PI = 3.14159265358979323846;
 static const double COLUMN = 13; /* letters before the second column */
+static const double LEFT_WIDTH = 290, MEASURE_WIDTH = 250; /* of panels, at scale 1 */
 /* Per cent, of solvers that estimate their error: what rays come to in seconds, and in hours. */
 static const double ERROR_LEAST = 0.1, ERROR_MOST = 20;
 
@@ -91,11 +92,11 @@ static void solver_rows(const Report *r)
         row("time", "%.1f s", r->seconds);
 }
 
-static double solver_panel(Viewer *viewer, double y, double width)
+static void solver_panel(Viewer *viewer)
 {
     const Report *r = &viewer->report;
     const bool paused = atomic_load(&viewer->control->paused);
-    if (gui_panel(viewer->options->solved ? "Solution" : "Solver", 8, y, width)) {
+    if (panel_begin(viewer, PANEL_SOLVER, viewer->options->solved ? "Solution" : "Solver")) {
         char text[96];
         const char *doing = paused ? "paused" : r->doing;
         const bool known = r->done >= 0 && r->done < 1;
@@ -103,7 +104,8 @@ static double solver_panel(Viewer *viewer, double y, double width)
         gui_bar(r->done, text);
         if (viewer->options->solved) {
             solver_rows(r);
-            return gui_panel_end();
+            panel_end(viewer, PANEL_SOLVER);
+            return;
         }
         if (gui_button(paused ? "Go on" : "Pause"))
             viewer_act(viewer, ACTION_PAUSE, 0);
@@ -116,7 +118,7 @@ static double solver_panel(Viewer *viewer, double y, double width)
         solver_rows(r);
         solver_choices(viewer);
     }
-    return gui_panel_end();
+    panel_end(viewer, PANEL_SOLVER);
 }
 
 static void choose_layer(Viewer *viewer)
@@ -135,13 +137,13 @@ static void choose_layer(Viewer *viewer)
     }
 }
 
-static double view_panel(Viewer *viewer, double y, double width)
+static void view_panel(Viewer *viewer)
 {
     static const char *const shadings[] = { "smooth", "patches", "wires" };
     static const char *const backs[] = { "hidden", "red", "grey" };
     static const char *const tones[] = { "shoulder", "linear", "reinhard", "filmic" };
     GlView *view = &viewer->view;
-    if (gui_panel("View", 8, y, width)) {
+    if (panel_begin(viewer, PANEL_VIEW, "View")) {
         int shading = (int)view->shading, back = (int)view->backs, tone = (int)view->tone;
         char text[64];
         choose_layer(viewer);
@@ -166,7 +168,7 @@ static double view_panel(Viewer *viewer, double y, double width)
         gui_dim(text);
         gathered_row(viewer);
     }
-    return gui_panel_end();
+    panel_end(viewer, PANEL_VIEW);
 }
 
 /* --- what was picked -------------------------------------------------------------------------- */
@@ -190,13 +192,16 @@ static void light_rows(const Viewer *viewer, uint32_t i)
     row("radiosity", "%.4g %s", luminance_of(b, i), lux ? "lm/m2" : "W/m2");
     row(lux ? "luminance" : "radiance", "%.4g %s", luminance_of(b, i) / PI,
         lux ? "cd/m2" : "W/m2/sr");
-    if (s->layer[LAYER_ERROR] != NULL)
-        row("error", "%.2g %s", luminance_of(s->layer[LAYER_ERROR], i), lux ? "lux" : "W/m2");
+    const float *e = s->layer[LAYER_ERROR];
+    if (e != NULL && luminance_of(e, i) > 0)
+        row("error", "%.2g %s", luminance_of(e, i), lux ? "lux" : "W/m2");
+    else if (e != NULL)
+        row("error", "less than rays tell");
     if (s->row_sum != NULL)
         row("row sum", "%.7f", (double)s->row_sum[i]);
 }
 
-static void patch_panel(const Viewer *viewer, double y, double width)
+static void patch_panel(Viewer *viewer)
 {
     assert(viewer->shown != NULL && viewer->view.picked < viewer->shown->mesh->patch_count);
     const ShownMesh *mesh = viewer->shown->mesh;
@@ -204,7 +209,7 @@ static void patch_panel(const Viewer *viewer, double y, double width)
     const ShownPatch *p = &mesh->patch[i];
     const Rgb rho = snapshot_reflectance(viewer->shown, i);
     const double unit = viewer->options->unit_m;
-    if (gui_panel("Patch", 8, y, width)) {
+    if (panel_begin(viewer, PANEL_PATCH, "Patch")) {
         if (viewer->options->solved) /* how often is not in its file */
             row("patch", "%u, %s", i, p->side == 0 ? "front" : "back");
         else
@@ -217,7 +222,7 @@ static void patch_panel(const Viewer *viewer, double y, double width)
             viewer->picked_at.z);
         light_rows(viewer, i);
     }
-    gui_panel_end();
+    panel_end(viewer, PANEL_PATCH);
 }
 
 /* Two columns where there is room: all keys at one look. */
@@ -245,23 +250,51 @@ static void help_overlay(double scale, int width, int height)
         }
         gui_columns(1);
     }
-    gui_panel_end();
+    gui_panel_end(NULL);
 }
+
+static void lay_out(Viewer *viewer, double scale)
+{
+    LaidPanel *panel = viewer->panel;
+    const Snapshot *s = viewer->shown;
+    const bool changing = viewer->changing && s != NULL;
+    panel[PANEL_SOLVER].there = panel[PANEL_VIEW].there = true;
+    panel[PANEL_PATCH].there = s != NULL && viewer->view.picked < s->mesh->patch_count;
+    panel[PANEL_CHANGE].there = changing;
+    panel[PANEL_MEASURE].there = !changing;
+    const LayoutSize size = { viewer->view.width, viewer->view.height, gui_title_height(),
+                              LEFT_WIDTH * scale,
+                              (changing ? LEFT_WIDTH : MEASURE_WIDTH) * scale };
+    layout_panels(&size, panel);
+}
+
+/* Folded or opened when its place changes: in between it is as hands have left it. */
+bool panel_begin(Viewer *viewer, PanelId id, const char *title)
+{
+    const LaidPanel *p = &viewer->panel[id];
+    assert(p->there);
+    if (p->fold != viewer->folded[id])
+        gui_fold(p->fold);
+    viewer->folded[id] = p->fold;
+    return gui_panel(title, p->x, p->y, p->width, p->room);
+}
+
+double panel_end(Viewer *viewer, PanelId id) { return gui_panel_end(&viewer->panel[id].need); }
 
 void panels_draw(Viewer *viewer)
 {
-    const double scale = window_scale(viewer->window), width = 290 * scale, gap = 6;
-    const Snapshot *s = viewer->shown;
+    const double scale = window_scale(viewer->window);
+    lay_out(viewer, scale);
     if (viewer->panels) {
-        double y = solver_panel(viewer, 8, width) + gap;
-        y = view_panel(viewer, y, width) + gap;
-        if (s != NULL && viewer->view.picked < s->mesh->patch_count)
-            patch_panel(viewer, y, width);
+        solver_panel(viewer);
+        view_panel(viewer);
+        if (viewer->panel[PANEL_PATCH].there)
+            patch_panel(viewer);
+        if (viewer->panel[PANEL_CHANGE].there)
+            panels_change(viewer);
+        else
+            measuring_panel(viewer);
     }
-    if (viewer->panels && viewer->changing && s != NULL)
-        panels_change(viewer, width, 8);
-    else if (viewer->panels)
-        measuring_panel(viewer, scale);
     marks_shot(viewer);
     measuring_marks(viewer, scale);
     if (viewer->help)

@@ -96,14 +96,14 @@ static void knob_rows(Viewer *viewer, bool shines, const char *heading)
     }
 }
 
-void panels_change(Viewer *viewer, double width, double gap)
+void panels_change(Viewer *viewer)
 {
     Knobs *knobs = &viewer->control->knobs;
     assert(viewer->shown != NULL);
-    if (gui_panel("Lamps and paint", viewer->view.width - width - gap, gap, width)) {
+    if (panel_begin(viewer, PANEL_CHANGE, "Lamps and paint")) {
         if (viewer->options->solved) {
             gui_dim("a solution cannot be changed");
-            gui_panel_end();
+            viewer->measuring.panel_bottom = panel_end(viewer, PANEL_CHANGE);
             return;
         }
         if (viewer->shown->step < STEP_SOLVED)
@@ -120,5 +120,5 @@ void panels_change(Viewer *viewer, double width, double gap)
                 atomic_store(&knobs->save, true);
         }
     }
-    gui_panel_end();
+    viewer->measuring.panel_bottom = panel_end(viewer, PANEL_CHANGE);
 }

@@ -9,7 +9,6 @@
 #include "viewer/internal.h"
 
 static const double COLUMN = 11;        /* letters before the second column */
-static const double WIDTH = 250, GAP = 8;
 /* Metres: a table is 0.75 m high, a corridor is measured on its floor, a shelf at 2 m. */
 static const double HEIGHT_LEAST = -1, HEIGHT_MOST = 5, MARGIN_MOST = 2;
 enum { PROBES_LISTED = 6 };
@@ -78,7 +77,7 @@ static void plane_sliders(Viewer *viewer)
 static void plane_rows(Viewer *viewer)
 {
     Measuring *m = &viewer->measuring;
-    const char *unit = lux(viewer) ? "lx" : "W/m2";
+    const char *unit = lux(viewer) ? "lux" : "W/m2";
     if (gui_check("work plane", &m->plane_on))
         m->plane_fits = false;
     if (!m->plane_on || viewer->shown == NULL)
@@ -124,7 +123,7 @@ static void region_rows(Viewer *viewer)
 static void probe_rows(Viewer *viewer)
 {
     Measuring *m = &viewer->measuring;
-    const char *unit = lux(viewer) ? "lx" : "W/m2";
+    const char *unit = lux(viewer) ? "lux" : "W/m2";
     const size_t n = m->probes.count;
     if (n == 0)
         gui_dim("Shift-click keeps a probe");
@@ -145,17 +144,14 @@ static void probe_rows(Viewer *viewer)
         measuring_act(viewer, ACTION_SAVE_CSV);
 }
 
-void measuring_panel(Viewer *viewer, double scale)
+void measuring_panel(Viewer *viewer)
 {
-    Measuring *m = &viewer->measuring;
-    const double width = WIDTH * scale;
-    assert(scale > 0);
-    m->panel_bottom = GAP;
-    if (gui_panel("Measure", viewer->view.width - width - GAP, GAP, width)) {
+    assert(viewer->panel[PANEL_MEASURE].there);
+    if (panel_begin(viewer, PANEL_MEASURE, "Measure")) {
         false_rows(viewer);
         plane_rows(viewer);
         region_rows(viewer);
         probe_rows(viewer);
     }
-    m->panel_bottom = gui_panel_end();
+    viewer->measuring.panel_bottom = panel_end(viewer, PANEL_MEASURE);
 }

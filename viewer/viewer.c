@@ -81,6 +81,8 @@ static bool take_new(Viewer *viewer, Error *err)
     /* Read again, the scene may be another one. */
     if (viewer->restarted && before != NULL && before->mesh != snapshot->mesh)
         viewer->measuring.plane_fits = false;
+    viewer->measuring.sighted = viewer->measuring.sighted && before != NULL &&
+                                before->mesh == snapshot->mesh;
     viewer->restarted = viewer->restarted && before != NULL && before->mesh == snapshot->mesh;
     pick_again(viewer, before != NULL ? before->mesh : NULL);
     snapshot_destroy(before);

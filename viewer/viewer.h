@@ -23,6 +23,7 @@ typedef struct {
     ToneCurve   tone;
     bool        photometric;    /* lux and cd/m2, else W */
     double      unit_m;         /* metres of one scene unit */
+    unsigned    threads;        /* for what is measured; 0: one per core */
 } ViewerOptions;
 
 /* Runs in the thread that called main until the window is closed, the script or the frames are

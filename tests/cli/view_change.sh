@@ -92,6 +92,17 @@ wait said nothing was changed
 FILE
 ok "too early, and nothing to save" exits 0 view room.msd "${solving[@]}" "${size[@]}" \
     --script refuse.txt
+# On a full disk, where no file can grow.
+no_room() {
+    sed -n '1,4p' change.txt >full.txt
+    printf 'wait settled\nclick left 498 235\nwait said cannot be written\n' >>full.txt
+    mkdir full && cd full && (trap '' XFSZ && ulimit -f 0 && exec "$ISOLUX" view ../room.msd \
+        --patches 300 --rays 32 --no-adapt --threads 2 --progress none "${size[@]}" \
+        --script ../full.txt 2>/dev/null)
+    local code=$?
+    cd "$DIR" && [ "$code" = 0 ] && [ -z "$(ls -A full)" ]
+}
+ok "a file that has no room is not left behind" no_room
 # The same by a solver without links, which solves anew: rays give noise.
 sed '/^click/,$d' change.txt >rays.txt
 ok "solved for by rays again" exits 0 view room.msd --patches 800 --solver stochastic \

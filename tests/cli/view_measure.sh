@@ -95,6 +95,22 @@ means_agree() {
 }
 ok "means of both agree" means_agree
 
+# --- a full disk ----------------------------------------------------------------------------------
+
+# no_room: as on one, no file can grow; what is not whole is not left behind.
+no_room() {
+    mkdir -p full && cp cube.obj full && cd full &&
+        (trap '' XFSZ && ulimit -f 0 && exec "$ISOLUX" view "${cube[@]}" --size 320x240 \
+            --script ../full.txt 2>/dev/null)
+    local code=$?
+    cd "$DIR" && [ "$code" = 0 ] && [ "$(ls -A full)" = cube.obj ]
+}
+printf 'wait solved\nclick Shift-left 160 200\n%s\nkey Ctrl-S\nwait said cannot be written\n' \
+    'key K' >full.txt
+ok "points and probes need room" no_room
+printf 'wait solved\nkey Shift-S\nwait said cannot be written\n' >full.txt
+ok "and pictures" no_room
+
 # --- nothing to measure ---------------------------------------------------------------------------
 
 printf 'wait solved\nkey Ctrl-S\nkey K\nwait frames 3\nkey X\ndrag left 5 5 5 5\nkey Esc\n' >none.txt
