@@ -118,10 +118,12 @@ bool cmd_view(Pipeline *pipeline, int *exit_code, Error *err)
     picture_files_command(&session->options, command, sizeof command);
     control_init(&control);
     atomic_store(&control.solver, session->options.solver);
+    /* What is given is for the solver that is. */
     const double tolerance = session->settings.tolerance;
-    atomic_store(&control.tolerance, tolerance > 0 ? tolerance : TOLERANCE);
-    atomic_store(&control.error, options_given(&session->options, OPTION_TOLERANCE)
-                                     ? tolerance : STOCHASTIC_TOLERANCE);
+    const bool estimates = session->settings.stochastic;
+    const bool given = options_given(&session->options, OPTION_TOLERANCE);
+    atomic_store(&control.tolerance, tolerance > 0 && !estimates ? tolerance : TOLERANCE);
+    atomic_store(&control.error, given && estimates ? tolerance : STOCHASTIC_TOLERANCE);
     if (solved_mesh_is(session->options.scene))
         view_solved(session, command, &mailbox, &control, &pace, err);
     else

@@ -97,7 +97,7 @@ static bool live_stop(void *user)
         if (self)
             leave_out(live, begin);
     }
-    if (live->breakable && fabs(live_tolerance(live) - live->asked) > 0)
+    if (live->breakable && live_breaks(live))
         atomic_store(&live->broken, true);
     return live_must_end(live) || (live->breakable && atomic_load(&live->broken));
 }
@@ -107,6 +107,8 @@ static void live_progress(void *user, const Progress *progress)
     Live *live = user;
     monitor_progress(&live->outer, progress);
     live->report.done = progress->done;
+    if (live->rays_before + progress->rays < live->report.rays && progress->rays > 0)
+        live->rays_before = live->report.rays; /* another pass of the stage */
     if (progress->rays > 0)
         live->report.rays = live->rays_before + progress->rays;
     live_report(live);
@@ -121,7 +123,7 @@ void live_report(Live *live)
     r->seconds = now - live->begin;
     r->memory = progress_peak_bytes();
     r->left = r->done > 0.05 && r->done < 1 ? spent * (1 - r->done) / r->done : -1;
-    r->rays_per_second = spent > 0.05 ? (double)(r->rays - live->rays_before) / spent : 0;
+    r->rays_per_second = spent > 0.05 ? (double)(r->rays - live->rays_stage) / spent : 0;
     control_report(live->control, r);
 }
 
@@ -130,7 +132,7 @@ void live_begin(Live *live, const char *doing, ShownStep step)
     live->doing = doing;
     live->step = step;
     live->stage_begin = progress_now();
-    live->rays_before = live->report.rays;
+    live->rays_before = live->rays_stage = live->report.rays;
     live->report.done = -1;
     live_report(live);
 }
@@ -178,7 +180,7 @@ static bool run_all(Live *live, Error *err)
     const LiveLight light = { .radiosity = p->solution->radiosity,
                               .irradiance = p->solution->irradiance,
                               .visible_area = p->links->area,
-                              .links = p->links, .shooter = PATCH_NONE };
+                              .links = live_links(live), .shooter = PATCH_NONE };
     return live_publish(live, &light, err);
 }
 
@@ -201,9 +203,11 @@ static void clear_all(Live *live)
     live->carry = vertex_carry_destroy(live->carry);
     live->patches = NULL;
     live_forget(live);
+    live->few = links_destroy(live->few);
     pipeline_clear(live->pipeline);
     live->begin = progress_now();
     live->steps_before = 0;
+    live->rays_before = live->rays_stage = 0;
     live->report = (Report){ .done = -1, .unshot = -1, .residual = -1, .left = -1,
                              .estimated = live->pipeline->session->settings.stochastic };
 }
@@ -281,6 +285,7 @@ static void *run(void *user)
     live->mesh = shown_mesh_leave(live->mesh);
     live->carry = vertex_carry_destroy(live->carry);
     live_forget(live);
+    live->few = links_destroy(live->few);
     atomic_store(&control->failed, true);
     return NULL;
 }

@@ -20,7 +20,7 @@ typedef struct {
     const double *direct, *unshot;        /* the same; direct NULL: from the links, if any */
     const double *error;                  /* [patches], or NULL */
     const double *visible_area;           /* [patches] */
-    const Links  *links;                  /* for row sums; NULL: none */
+    const Links  *links;                  /* for row sums and direct light; NULL: none */
     uint32_t      shooter;                /* patch, or PATCH_NONE */
     const Vec3   *ray;                    /* [2 * ray_count] */
     uint32_t      ray_count;
@@ -41,7 +41,7 @@ typedef struct {
     double     published;
     const char *doing;
     Report     report;
-    uint64_t   rays_before;    /* of stages that are over */
+    uint64_t   rays_stage, rays_before; /* of stages that are over; and of passes of this one */
     ShownStep  step;
     bool       adapt;          /* patches are divided, where the solver has links */
     atomic_bool stepping;      /* a single step is under way */
@@ -49,9 +49,10 @@ typedef struct {
     /* light as published last, for pictures: of these patches; NULL: none that still holds */
     const Patches *lit;
     double    *lit_radiosity, *lit_area; /* [3 * lit->count], [lit->count] */
+    Links     *few;            /* of errors, where the solver has none; NULL: not needed yet */
     bool       lit_wholly;     /* with all that is known of a solution, errors too */
     double     asked;          /* tolerance that light is solved for */
-    bool       breakable;      /* a solver runs that another tolerance breaks off, to go on */
+    bool       breakable;      /* a solver runs that live_breaks is asked for */
     atomic_bool broken;        /* one was */
     uint32_t   steps_before;   /* of solvers that were broken off */
     int        exit_code;
@@ -83,11 +84,16 @@ void live_forget(Live *live);
 double live_tolerance(const Live *live);
 /* The same, of a Live, for the pipeline: light is solved for it. */
 double live_wish(void *live);
+/* Whether a solver on links is to be broken off, to go on with another tolerance or by another. */
+bool live_breaks(const Live *live);
 /* Solves, once there are links; every step is seen, and another tolerance holds at once.
  * fails  false; as pipeline_solve. */
 bool live_solve(Live *live, Error *err);
 /* The residual, or the error that solvers without links estimate. */
 double live_residual(const Pipeline *pipeline);
+
+/* Links that tell of rows and direct light; NULL: the solver has none. */
+const Links *live_links(const Live *live);
 
 /* live_errors.c: estimates how far each patch of the solution is off, and publishes it with all
  * else; unless something else is wished for meanwhile. fails  false; ERROR_MEMORY. */

@@ -140,6 +140,12 @@ static bool add_changes(const Live *live, Snapshot *s, Error *err)
     return true;
 }
 
+const Links *live_links(const Live *live)
+{
+    const Pipeline *p = live->pipeline;
+    return p->session->settings.stochastic ? live->few : p->links;
+}
+
 void live_forget(Live *live)
 {
     live->lit = NULL;
@@ -182,7 +188,7 @@ bool live_publish(Live *live, const LiveLight *light, Error *err)
         (light->unshot != NULL && !snapshot_layer(s, LAYER_UNSHOT, light->unshot, err)) ||
         (light->error != NULL && !add_error(s, light->error, err)) ||
         (light->changed && !add_changes(live, s, err)) ||
-        (light->links != NULL && !add_rows(s, light->links, err)) ||
+        (light->links != NULL && light->links != live->few && !add_rows(s, light->links, err)) ||
         (light->ray_count > 0 && !add_rays(s, light, err)) || !keep_light(live, light, err)) {
         snapshot_destroy(s);
         return false;

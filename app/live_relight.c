@@ -342,7 +342,7 @@ static bool settle(Relighting *r, Live *live, Error *err)
     Pipeline *p = live->pipeline;
     r->moving = false;
     return (p->session->settings.stochastic || solve_further(live, err)) &&
-           publish(live, p->links, err);
+           publish(live, live_links(live), err);
 }
 
 bool relighting_rest(Relighting *r, Live *live, bool *done, Error *err)
@@ -356,7 +356,7 @@ bool relighting_rest(Relighting *r, Live *live, bool *done, Error *err)
             return false;
         live_begin(live, live->pipeline->solution->converged ? "converged" : "stopped",
                    STEP_SOLVED);
-        return publish(live, live->pipeline->links, err);
+        return publish(live, live_links(live), err);
     }
     if (r->moving || !up_to_date(r, knobs))
         return true;

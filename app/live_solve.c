@@ -19,6 +19,20 @@ double live_wish(void *user)
     return live->asked;
 }
 
+/* Of those on links; the others begin anew. */
+static Solver chosen_solver(const Live *live)
+{
+    const int chosen = atomic_load(&live->control->solver);
+    const bool links = chosen != SOLVER_COUNT && chosen != SOLVER_HIERARCHICAL;
+    return links ? (Solver)chosen : live->pipeline->session->settings.solver;
+}
+
+bool live_breaks(const Live *live)
+{
+    return fabs(live_tolerance(live) - live->asked) > 0 ||
+           chosen_solver(live) != live->pipeline->session->settings.solver;
+}
+
 double live_residual(const Pipeline *pipeline)
 {
     const Settings *settings = &pipeline->session->settings;
@@ -83,13 +97,14 @@ static Solution *solve_from(Live *live, const Solution *before, Error *err)
     return after;
 }
 
-/* Goes on from where another tolerance broke it off. */
+/* Goes on from where it was broken off. */
 static bool solve_links(Live *live, Error *err)
 {
     Pipeline *p = live->pipeline;
     assert(p->links != NULL && p->emission != NULL);
     do {
         live_wish(live);
+        p->session->settings.solver = chosen_solver(live);
         live->steps_before = p->solution != NULL ? p->solution->iterations : 0;
         Solution *after = solve_from(live, p->solution, err);
         if (after == NULL)

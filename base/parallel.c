@@ -54,7 +54,9 @@ static double clock_seconds(void)
 static void loop_report(Loop *loop)
 {
     Progress progress = *loop->base;
-    progress.done *= (double)atomic_load(&loop->finished) / loop->chunks;
+    const double share = (double)atomic_load(&loop->finished) / loop->chunks;
+    progress.done *= share;
+    progress.rays = (uint64_t)(share * (double)progress.rays);
     monitor_progress(loop->monitor, &progress);
 }
 

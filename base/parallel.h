@@ -22,8 +22,8 @@ typedef void (*ParallelBody)(void *context, uint32_t begin, uint32_t end, unsign
 unsigned parallel_threads(unsigned wished);
 
 /* Runs body over 0..count-1 in chunks of `chunk` > 0. When `base` is not NULL, the calling thread
- * reports *base with `done` scaled by the share of chunks finished, several times a second; rays is
- * left as in *base.
+ * reports *base with `done` and `rays` scaled by the share of chunks finished, several times a
+ * second.
  * Returns true when all was done, false when the monitor said stop (chunks begun are finished). */
 bool parallel_for(uint32_t count, uint32_t chunk, unsigned threads, ParallelBody body,
                   void *context, const Monitor *monitor, const Progress *base);

@@ -278,6 +278,8 @@ struct KeptRows {
 
 /* On failure to be cleared as well. */
 bool row_maker_create(RowMaker *maker, const Room *room, const LinksOptions *options, Error *err);
+/* Rays of a row, those to lamps that may turn out to be needless included. */
+uint32_t row_maker_rays(const RowMaker *maker);
 void row_maker_clear(RowMaker *maker);
 /* A link of the thread's current row, sources rising. */
 void row_maker_add(RowMaker *maker, unsigned worker, uint32_t source, float form_factor);

@@ -63,9 +63,10 @@ Links *links_create(const Room *room, const LinksOptions *options, const Monitor
     assert(room != NULL && options != NULL && room->bvh != NULL && room->patches != NULL);
     RowMaker maker;
     Links *links = NULL;
-    const Progress progress = { .stage = "factors", .done = 1, .energy_left = -1 };
+    Progress progress = { .stage = "factors", .done = 1, .energy_left = -1 };
     if (row_maker_create(&maker, room, options, err) &&
         check_memory(&maker, options, err)) {
+        progress.rays = (uint64_t)maker.count * row_maker_rays(&maker);
         if (parallel_for(maker.count, MAKER_CHUNK, maker.threads, cast_chunk, &maker, monitor,
                          &progress))
             links = row_maker_gather(&maker, err);

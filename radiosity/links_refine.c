@@ -197,7 +197,11 @@ static bool fits(Refining *r, uint32_t parts, const LinksOptions *options, Error
 static Links *run(Refining *r, Links **fresh, const Monitor *monitor, Error *err)
 {
     RowMaker *m = &r->maker;
-    const Progress cast = { .stage = "factors", .done = 1, .energy_left = -1 };
+    uint64_t rows = 0;
+    for (uint32_t i = 0; i < m->count; i++)
+        rows += is_divided(r, r->parent[i]);
+    const Progress cast = { .stage = "factors", .done = 1, .energy_left = -1,
+                            .rays = rows * row_maker_rays(m) };
     if (!parallel_for(m->count, MAKER_CHUNK, m->threads, cast_parts, r, monitor, &cast)) {
         error_set(err, ERROR_STOPPED, "stopped while casting form factors");
         return NULL;

@@ -61,6 +61,12 @@ bool row_maker_create(RowMaker *m, const Room *room, const LinksOptions *options
     return !error_is_set(err);
 }
 
+uint32_t row_maker_rays(const RowMaker *m)
+{
+    assert(m->threads > 0);
+    return m->tile[0].all.rays + m->tile[0].all.lamp_rays;
+}
+
 void row_maker_clear(RowMaker *m)
 {
     if (m->kept != NULL)

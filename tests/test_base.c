@@ -138,6 +138,7 @@ static void array_fails_on_demand(void **state)
 typedef struct {
     char     text[64];
     double   done[4096];
+    uint64_t rays;
     unsigned reports;
     atomic_uint asked;
     unsigned    stop_after;
@@ -154,6 +155,7 @@ static void watch_progress(void *user, const Progress *progress)
     Watch *watch = user;
     if (watch->reports < 4096)
         watch->done[watch->reports++] = progress->done;
+    watch->rays = progress->rays;
 }
 
 static bool watch_stop(void *user)
@@ -273,7 +275,7 @@ static void parallel_reports_upwards(void **state)
     static Watch watch;
     static Visits visits;
     const Monitor monitor = { .user = &watch, .progress = watch_progress };
-    const Progress base = { .stage = "factors", .done = 0.5 };
+    const Progress base = { .stage = "factors", .done = 0.5, .rays = 12345 };
     visits.threads = 2;
     visits.chunk = 64;
     assert_true(parallel_for(10007, 64, 2, visit, &visits, &monitor, &base));
@@ -281,6 +283,7 @@ static void parallel_reports_upwards(void **state)
     for (unsigned i = 1; i < watch.reports; i++)
         assert_true(watch.done[i] >= watch.done[i - 1]);
     assert_true(watch.done[watch.reports - 1] == 0.5);
+    assert_int_equal(watch.rays, 12345);
 }
 
 /* --- files ----------------------------------------------------------------------------------- */

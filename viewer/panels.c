@@ -59,7 +59,10 @@ static void solver_choices(Viewer *viewer)
     names[SOLVER_COUNT] = "stochastic";
     if (gui_choice("solver", &solver, names, SOLVER_COUNT + 1)) {
         atomic_store(&control->solver, solver);
-        viewer_say(viewer, "the solver is another from the next beginning on: Ctrl-R");
+        if (estimates || solver == SOLVER_COUNT || solver == SOLVER_HIERARCHICAL)
+            viewer_say(viewer, "the solver is another from the next beginning on: Ctrl-R");
+        else
+            viewer_say(viewer, "goes on with %s", names[solver]);
     }
     if (estimates && gui_slider("tolerance", &error, ERROR_LEAST, ERROR_MOST, "%.2g %%", true))
         ask_tolerance(control, &control->error, 0.01 * fmax(ERROR_LEAST, error));

@@ -23,16 +23,18 @@
     "    return mix(high, 12.92 * v, vec3(lessThanEqual(v, vec3(0.0031308))));\n"                  \
     "}\n"
 
-/* Places on the scale, and colours for them; isolines a pixel and a half wide. */
+/* Places on the scale, and colours for them; isolines a pixel and a half wide, none where values
+ * are all alike, nor at the scale's lower end. */
 #define FALSE_COLOUR                                                                               \
     "uniform int logarithmic; uniform vec2 range; uniform sampler1D colours;\n"                    \
     "uniform int ticks; uniform float tick[8];\n"                                                  \
     "vec3 false_colour(float v) {\n"                                                               \
     "    float t = logarithmic != 0 ? log(max(v, 1e-30) / range.x) / log(range.y / range.x)\n"     \
     "                               : (v - range.x) / (range.y - range.x);\n"                      \
-    "    float wide = max(fwidth(t), 1e-7), line = 0;\n"                                           \
+    "    float wide = fwidth(t), line = 0;\n"                                                      \
     "    vec3 c = texture(colours, clamp(t, 0, 1)).rgb;\n"                                         \
-    "    for (int k = 0; k < ticks; k++)\n"                                                        \
+    "    for (int k = 0; wide > 1e-7 && k < ticks; k++)\n"                                         \
+    "        if (tick[k] > 0.0)\n"                                                                 \
     "        line = max(line, 1 - smoothstep(0.5, 1.3, abs(t - tick[k]) / wide));\n"               \
     "    if (v < -1e38) return vec3(0.3);\n"                                                       \
     "    return mix(c, vec3(t < 0.55 ? 1.0 : 0.0), 0.65 * line);\n"                                \
