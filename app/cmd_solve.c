@@ -7,6 +7,7 @@
 #include "app/group_files.h"
 #include "app/output.h"
 #include "app/pipeline_accuracy.h"
+#include "app/pipeline_check.h"
 #include "app/summary.h"
 
 /* --compare: figures and a plot instead of a mesh. */
@@ -56,14 +57,14 @@ bool cmd_solve(Pipeline *pipeline, int *exit_code, Error *err)
         !pipeline_accuracy_allowed(&session->options, err) || !pipeline_read(pipeline, err) ||
         !pipeline_mesh(pipeline, err) ||
         (session->options.importance && !pipeline_camera(pipeline, err)) ||
-        !pipeline_patches(pipeline, err))
+        !pipeline_patches(pipeline, err) || !pipeline_check_allowed(pipeline, err))
         return false;
     if (session->options.compare)
         return pipeline_factors(pipeline, err) && compare(pipeline, exit_code, err);
     if (!pipeline_accurate(pipeline, err))
         return false;
     *exit_code = pipeline_exit_code(pipeline);
-    if (!write_mesh(pipeline, err))
+    if (!write_mesh(pipeline, err) || !pipeline_check(pipeline, exit_code, err))
         return false;
     session_say(session, "isolux: %s%s%s", session->options.scene, output != NULL ? " -> " : "",
                 output != NULL ? output : "");

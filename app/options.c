@@ -130,6 +130,8 @@ static const OptionRow option_rows[OPTION_COUNT] = {
       0, 0, NULL, "hierarchical: leave light as links between clusters have it" },
     { OPTION_COMPARE, "--compare", NULL, COMMAND_SOLVE, KIND_FLAG, FIELD(compare), 0, 0, NULL,
       "run all solvers on the same factors: -o FILE.csv and a plot FILE.svg" },
+    { OPTION_LIGHT_CHECK, "--check", "N[:RAYS]", COMMAND_SOLVE, KIND_COUNTS, FIELD(light_check), 1,
+      1e6, NULL, "tell how far irradiance is off, by twice RAYS (256) paths back from N patches" },
     { OPTION_SET, "--set", "CHANGE", SOLVING, KIND_TEXTS, FIELD(set), 0, 0, NULL,
       "relight: GROUP.emission=*0.5, GROUP.reflectance=0.6; may be given again" },
     { OPTION_CHANGES, "--changes", "FILE", SOLVING, KIND_TEXT, FIELD(changes), 0, 0, NULL,
@@ -326,6 +328,7 @@ static bool wrong_value(const OptionRow *row, const char *text, Error *err)
     static const char *const forms[] = {
         [KIND_BYTES] = "a size like 512MB",        [KIND_SECONDS] = "a time like 30s or 5min",
         [KIND_SET] = "a list like all,-winding",
+        [KIND_COUNTS] = "a number from 1 to 1000000, or two like 4000:512",
         [KIND_PIXELS] = "a size like 640x480",     [KIND_VECTOR] = "three numbers like 1,2.5,-3",
         [KIND_RANGE] = "two numbers, the lower first, like 0,500",
         [KIND_BOX] = "left,top,right,bottom in whole pixels like 100,50,300,200",
@@ -378,6 +381,9 @@ static bool store_value(Options *options, const OptionRow *row, const char *text
     case KIND_COUNT:
         good = value_count(text, &count) && count >= row->low && count <= row->high;
         *(uint32_t *)field = count;
+        break;
+    case KIND_COUNTS:
+        good = value_counts(text, field) && *(uint32_t *)field <= row->high;
         break;
     case KIND_NUMBER:
         good = value_number(text, &number) && number >= row->low && number <= row->high;

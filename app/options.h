@@ -88,6 +88,7 @@ typedef enum {
     OPTION_IMPORTANCE,
     OPTION_NO_LAST_GATHER,
     OPTION_COMPARE,
+    OPTION_LIGHT_CHECK,
     OPTION_SET,
     OPTION_CHANGES,
     OPTION_LIGHT_GROUPS,
@@ -192,6 +193,7 @@ typedef struct Options {
     int         renderer;    /* Renderer */
     uint32_t    depth;       /* of RENDERER_WHITTED; 0: not given */
     uint32_t    repair;      /* bit RepairBit: do it */
+    uint32_t    light_check[2]; /* patches, rays from each in each half */
     uint32_t    samples;     /* compare: points of a solution; 0: not given */
     uint32_t    threads, seed, patches, rays, lamp_rays, max_iterations, spp, gather_rays;
     uint32_t    record_rays; /* meaningful only when given: 0 is a value */
@@ -218,6 +220,7 @@ typedef enum {
     KIND_TEXT,     /* const char * */
     KIND_TEXTS,    /* TextList, one more each time */
     KIND_COUNT,    /* uint32_t within low..high */
+    KIND_COUNTS,   /* uint32_t[2]: 4000 or 4000:512, both above 0, the first no more than high */
     KIND_NUMBER,   /* double within low..high */
     KIND_SHARE,    /* the same: 0.01 or 1% */
     KIND_BYTES,    /* uint64_t: 512MB */
@@ -267,6 +270,8 @@ bool value_share(const char *text, double *value);
 bool value_count(const char *text, uint32_t *value);
 bool value_bytes(const char *text, uint64_t *value);
 bool value_seconds(const char *text, double *value);
+/* Counts above 0 with a colon between; the second, which may be missing, is then not touched. */
+bool value_counts(const char *text, uint32_t value[2]);
 bool value_pixels(const char *text, int value[2]);
 bool value_vector(const char *text, Vec3 *value);
 /* `count` numbers with commas between. */

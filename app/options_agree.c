@@ -131,6 +131,7 @@ static bool belongings(const Options *options, Error *err)
         { OPTION_FOV, COMMAND_SOLVE, of_importance, "belongs to --importance" },
         { OPTION_SOLVER, COMMAND_SOLVE, of_one_solver, "does not go with --compare, which runs "
           "them all" },
+        { OPTION_LIGHT_CHECK, COMMAND_SOLVE, of_one_solver, "does not go with --compare" },
         { OPTION_LEAST_SIZE, SOLVING, of_adapting, "belongs to --adapt, not to --no-adapt" },
         { OPTION_RANGE, COMMAND_RENDER | COMMAND_DEVELOP, of_false_colour,
           "belongs to --false-colour" },

@@ -72,6 +72,23 @@ bool value_count(const char *text, uint32_t *value)
     return true;
 }
 
+bool value_counts(const char *text, uint32_t value[2])
+{
+    assert(text != NULL && value != NULL);
+    const size_t length = strcspn(text, ":");
+    char first[16];
+    uint32_t v[2] = { 0, value[1] };
+    if (length >= sizeof first)
+        return false;
+    memcpy(first, text, length);
+    first[length] = '\0';
+    if (!value_count(first, &v[0]) || v[0] == 0 ||
+        (text[length] == ':' && (!value_count(text + length + 1, &v[1]) || v[1] == 0)))
+        return false;
+    memcpy(value, v, sizeof v);
+    return true;
+}
+
 /* 512MB, 2G, 1.5 GiB, 100000: powers of 1024, as memory is counted. */
 bool value_bytes(const char *text, uint64_t *value)
 {

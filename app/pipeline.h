@@ -12,6 +12,7 @@
 #include "radiosity/clusters.h"
 #include "radiosity/direct.h"
 #include "radiosity/group_factors.h"
+#include "radiosity/light_check.h"
 #include "radiosity/links.h"
 #include "radiosity/room.h"
 #include "radiosity/sides.h"
@@ -90,6 +91,7 @@ typedef struct Pipeline {
     Solution    *solution;
     Energy       energy[ROOM_BANDS];
     LightAccuracy accuracy;
+    LightCheck   check;             /* of the solution; patches 0: none was made */
     Changes      changes;           /* after it is solved */
     Relit        relit;
     /* called after each pass of adaption; NULL: not. error: [patches] of adapt_errors */

@@ -177,6 +177,7 @@ bool pipeline_accurate(Pipeline *pipeline, Error *err)
         memcpy(pipeline->solution->radiosity, mean.whole_radiosity, mean.count * sizeof(double));
         memcpy(pipeline->solution->irradiance, mean.whole_irradiance,
                mean.count * sizeof(double));
+        pipeline->solution->direct = array_free(pipeline->solution->direct); /* of one half */
     }
     array_free(mean.radiosity);
     array_free(mean.irradiance);

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "app/pipeline_check.h"
 #include "app/pipeline_clusters.h"
 #include "base/file.h"
 
@@ -388,6 +389,7 @@ void summary_pipeline(Json *json, const Pipeline *pipeline)
     if (pipeline->solution != NULL)
         put_relit(json, pipeline);
     put_accuracy(json, &pipeline->accuracy);
+    pipeline_check_put(json, &pipeline->check);
     if (pipeline->width > 0)
         put_render(json, pipeline);
     put_seconds(json, pipeline);
@@ -510,6 +512,7 @@ static void print_light(const Pipeline *pipeline)
                 rgb_luminance(emitted), unit, rgb_luminance(absorbed), rgb_luminance(escaped),
                 fmax(e[0].error, fmax(e[1].error, e[2].error)));
     print_accuracy(pipeline);
+    pipeline_check_print(pipeline);
 }
 
 static void print_groups(const Pipeline *pipeline)

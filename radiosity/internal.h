@@ -95,7 +95,8 @@ enum { SEED_ROWS = 0x726f7773, SEED_LAMPS = 0x6c616d70, SEED_LIGHTS = 0x6c697465
        SEED_GROUPS = 0x67727073,
        SEED_POINTS = 0x706f696e,
        SEED_CLUSTERS = 0x636c7573, SEED_CLUSTERS_AGAIN = 0x636c6167,
-       SEED_AGAIN = 0x61676169 };
+       SEED_AGAIN = 0x61676169,
+       SEED_CHECK = 0x6368656b };
 
 /* Stands for a patch in seeds: where it lies, not its number, so that a patch keeps its rays when
  * others are divided. */

@@ -331,6 +331,7 @@ Solution *solution_destroy(Solution *solution)
         return NULL;
     array_free(solution->radiosity);
     array_free(solution->irradiance);
+    array_free(solution->direct);
     reflected_destroy(solution->reflected);
     return array_free(solution);
 }

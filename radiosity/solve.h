@@ -90,6 +90,7 @@ typedef struct {
     unsigned bands;
     double  *radiosity;    /* [count * bands]  B, E included */
     double  *irradiance;   /* [count * bands]  H = H0 + F B */
+    double  *direct;       /* [count * bands]  of it, H0 + F E; NULL: not known apart */
     uint32_t iterations;
     double   residual;     /* reached */
     double   unshot;       /* power not yet distributed / (emitted + received power), 0..1 */

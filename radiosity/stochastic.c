@@ -399,8 +399,11 @@ static void fill_solution(Run *run, Solution *solution)
     const SolveProblem *p = run->shooter.problem;
     for (size_t k = 0; k < run->n; k++) {
         const double area = area_of(run, k);
-        const double power = (run->even[0][k] + run->even[1][k]) * run->scale[k % ROOM_BANDS];
+        const double scale = run->scale[k % ROOM_BANDS];
+        const double power = (run->even[0][k] + run->even[1][k]) * scale;
+        const double direct = power - run->spare[0][k] * scale - run->spare[1][k] * scale;
         solution->irradiance[k] = area > 0 ? power / run->parts / area : 0;
+        solution->direct[k] = area > 0 ? direct / run->parts / area : 0;
         solution->radiosity[k] = p->emission[k] + p->reflectance[k] * solution->irradiance[k];
     }
     solution->unshot = solution->residual = run->unshot;
@@ -572,6 +575,7 @@ Solution *stochastic_solve(const Room *room, const OpenPlaces *places, const Sol
         *solution = (Solution){ .count = count, .bands = ROOM_BANDS, .error_bound = NAN };
         solution->radiosity = array_create(run.n, sizeof(double), "a solution", err);
         solution->irradiance = array_create(run.n, sizeof(double), "a solution", err);
+        solution->direct = array_create(run.n, sizeof(double), "a solution", err);
     }
     const bool done = !error_is_set(err) && run_create(&run, err);
     if (done) {

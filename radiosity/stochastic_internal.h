@@ -79,6 +79,17 @@ typedef struct {
 bool shooter_create(Shooter *shooter, Error *err);
 void shooter_clear(Shooter *shooter);
 
+/* --- stochastic_places.c: places of patches outside solids ------------------------------------ */
+
+/* Rays that tell which of the cells of a patch are (OpenPlaces): RAYS_PER_POSITION for each. */
+enum { OPEN_RAYS = OPEN_CELLS * RAYS_PER_POSITION };
+
+/* Which cells are, by rays of `row`, made for OPEN_RAYS; nothing else of its row holds then. */
+uint64_t open_cells_judge(RowCast *row, const Room *room, uint32_t patch, uint32_t seed);
+/* A place of a patch in such a cell, for x in [0,1)^2. open: not 0. */
+void open_cells_place(const Room *room, uint64_t open, uint32_t patch, const float x[2],
+                      PatchPoint *at);
+
 /* A place of a patch that lies outside solids, for x in [0,1)^2. */
 void shooter_place(const Shooter *shooter, uint32_t patch, const float x[2], PatchPoint *at);
 

@@ -2,14 +2,15 @@
 /* radiosity/stochastic_places.c -- which places of patches lie inside solids, for patches without
  * links. */
 #include <assert.h>
+#include <math.h>
 
 #include "base/array.h"
 #include "base/parallel.h"
 #include "radiosity/stochastic_internal.h"
+#include "radiosity/visible.h"
 
-/* Rays that look whether anything of a patch may be hidden; those that tell where. The second give
- * each of OPEN_CELLS cells RAYS_PER_POSITION. */
-enum { LOOK_RAYS = 16, JUDGE_RAYS = OPEN_CELLS * RAYS_PER_POSITION, PLACES_CHUNK = 1024 };
+/* Rays that look whether anything of a patch may be hidden; OPEN_RAYS tell where. */
+enum { LOOK_RAYS = 16, PLACES_CHUNK = 1024 };
 
 typedef struct {
     const Room *room;
@@ -35,14 +36,38 @@ static void take(OpenPlaces *places, uint32_t patch, const RowCast *row, uint64_
     places->open[patch] = open;
 }
 
-static void judge_patch(PlacesPass *pass, RowCast *row, uint32_t patch)
+uint64_t open_cells_judge(RowCast *row, const Room *room, uint32_t patch, uint32_t seed)
 {
     uint64_t open = 0;
-    row_cast_positions(row, pass->room, patch, pass->seed);
-    row_cast_finish(row, pass->room, &pass->none, patch);
+    row_cast_positions(row, room, patch, seed);
     assert(row->positions == OPEN_CELLS);
     for (uint32_t p = 0; p < row->positions; p++)
         open |= (uint64_t)(row->position[p].good > 0) << p;
+    return open;
+}
+
+void open_cells_place(const Room *room, uint64_t open, uint32_t patch, const float x[2],
+                      PatchPoint *at)
+{
+    double a = x[0], b = x[1];
+    assert(open != 0);
+    if (open != UINT64_MAX) {
+        const double along = x[0] * (double)__builtin_popcountll(open);
+        uint64_t left = open;
+        for (uint32_t k = (uint32_t)along; k > 0; k--)
+            left &= left - 1;
+        const int cell = __builtin_ctzll(left);
+        a = (cell / 8 + (along - floor(along))) / 8;
+        b = (cell % 8 + b) / 8;
+    }
+    patches_point(room->patches, room->surfaces, patch, a, b, at);
+    visible_move(room, at);
+}
+
+static void judge_patch(PlacesPass *pass, RowCast *row, uint32_t patch)
+{
+    const uint64_t open = open_cells_judge(row, pass->room, patch, pass->seed);
+    row_cast_finish(row, pass->room, &pass->none, patch);
     take(pass->places, patch, row, open);
 }
 
@@ -72,7 +97,7 @@ static bool find(PlacesPass *pass, unsigned threads, const Monitor *monitor, Err
     const Progress progress = { .stage = "factors", .energy_left = -1 };
     for (unsigned k = 0; k < threads; k++)
         if (!row_tile_create(&pass->tile[k], LOOK_RAYS, 0, err) ||
-            !row_cast_create(&pass->judge[k], JUDGE_RAYS, 0, err))
+            !row_cast_create(&pass->judge[k], OPEN_RAYS, 0, err))
             return false;
     if (!parallel_for(count, PLACES_CHUNK, threads, places_chunk, pass, monitor, &progress))
         return error_set(err, ERROR_STOPPED, "stopped while looking for hidden places");

@@ -70,20 +70,7 @@ void shooter_clear(Shooter *s)
 
 void shooter_place(const Shooter *s, uint32_t patch, const float x[2], PatchPoint *at)
 {
-    const uint64_t open = s->places->open[patch];
-    double a = x[0], b = x[1];
-    assert(open != 0);
-    if (open != UINT64_MAX) {
-        const double along = x[0] * (double)__builtin_popcountll(open);
-        uint64_t left = open;
-        for (uint32_t k = (uint32_t)along; k > 0; k--)
-            left &= left - 1;
-        const int cell = __builtin_ctzll(left);
-        a = (cell / 8 + (along - floor(along))) / 8;
-        b = (cell % 8 + b) / 8;
-    }
-    patches_point(s->room->patches, s->room->surfaces, patch, a, b, at);
-    visible_move(s->room, at);
+    open_cells_place(s->room, s->places->open[patch], patch, x, at);
 }
 
 /* --- one chunk -------------------------------------------------------------------------------- */

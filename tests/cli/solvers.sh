@@ -90,6 +90,20 @@ ok "not with options about links" fails 2 'closure: not with' solve "$cube" "${f
 ok "chosen where links have no room" exits 0 solve "$cube" --patches 30000 --rays 1024 \
     --max-memory 400MB --tolerance 0.2 --json "$DIR/few.json"
 ok "that is told" grep -q '"solver": "stochastic"' "$DIR/few.json"
+# Checked by paths: links that are there, and a solution that few rays spoilt.
+off() {
+    tr -d ' \n' <"$1" | sed -nE 's/.*"check":.*"irradiance":\{"rms":([0-9.e+-]+).*/\1/p'
+}
+ok "checked" exits 0 solve "$cube" --patches 400 --no-adapt --rays 1024 --check 100:128 \
+    --json "$DIR/right.json" --progress none
+ok "spoilt" exits 4 solve "$cube" "${few[@]}" --rays 8 --tolerance 1e-3 --check 100:128 \
+    --json "$DIR/spoilt.json"
+ok "what was spoilt is found" awk -v a="$(off "$DIR/right.json")" -v b="$(off "$DIR/spoilt.json")" \
+    'BEGIN { exit !(a < 0.02 && b > 0.03) }'
+ok "direct and reflected apart" test "$(grep -c '"direct"\|"reflected"' "$DIR/right.json")" = 2
+ok "no patches, no check" fails 2 'a number from 1 to' solve "$cube" --check 0
+ok "no paths" fails 2 'a number from 1 to' solve "$cube" --check 5:
+ok "of one solver" fails 2 'does not go with --compare' solve "$cube" --check 5 --compare
 # Asked to stop before they have begun, solvers that cast their own rays cast few.
 for solver in stochastic hierarchical; do
     ok "$solver: out of time at once" exits 5 solve scenes/files/cornell.msd --patches 2000 \
