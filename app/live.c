@@ -150,6 +150,7 @@ static void on_pass(void *user, const Links *links, const Solution *solution, co
                               .shooter = PATCH_NONE };
     live->step = STEP_LINKED;
     live->doing = "dividing";
+    live->report.unshot = solution->unshot;
     live_publish(live, &light, &err);
     live_report(live);
     live_step(live);

@@ -26,15 +26,12 @@ window() {
     mv -- viewer-*.png "$out/"
 }
 
-# Some frames first: panels are there from the second one on.
-window "$scenes/cornell.msd" --patches 3000 --size 720x480 <<END
-wait frames 3
-wait lit
+window "$scenes/cornell.msd" --patches 12000 --size 720x480 <<END
+wait seconds 0.5
 screenshot viewer-light-1.png
-wait shot
+wait seconds 2
 screenshot viewer-light-2.png
-wait solved
-wait frames 2
+wait seconds 10
 screenshot viewer-light-3.png
 END
 window "$scenes/cornell.msd" --patches 3000 --no-adapt <<END
@@ -57,6 +54,7 @@ screenshot viewer-mesh.png
 END
 window "$scenes/cornell.msd" --patches 3000 --no-adapt <<END
 wait solved
+wait settled
 click left 560 650
 key C
 key Shift-C
@@ -64,6 +62,7 @@ key G
 wait frames 2
 screenshot viewer-false.png
 click left 640 306
+key Shift-C
 key Shift-C
 key Shift-C
 key Shift-C

@@ -19,7 +19,7 @@ typedef enum {
     DO_KEY, DO_HOLD, DO_MOVE, DO_CLICK, DO_DOUBLE, DO_DRAG, DO_WHEEL, DO_RESIZE, DO_SCALE,
     DO_MINIMISE, DO_RESTORE, DO_LOSE_CONTEXT, DO_WAIT_FRAMES,
     DO_WAIT_STEP, DO_WAIT_PICTURE, DO_WAIT_TILES, DO_WAIT_SETTLED,
-    DO_WAIT_SAID, DO_SCREENSHOT
+    DO_WAIT_SECONDS, DO_WAIT_SAID, DO_SCREENSHOT
 } What;
 
 typedef struct {
@@ -75,26 +75,26 @@ static bool take_text(Step *step, char **rest, Error *err)
     return step->text != NULL;
 }
 
-/* "frames N", "picture", "tiles X", "settled" and "said TEXT" make other commands of "wait". */
+static bool take_number(Step *step, What what, double least, double most, char **rest)
+{
+    char *end;
+    step->what = what;
+    step->number[0] = strtod(*rest, &end);
+    const bool found = end != *rest && step->number[0] >= least && step->number[0] <= most;
+    *rest = end;
+    return found;
+}
+
+/* What follows "wait" makes commands of their own. */
 static bool take_wait(Step *step, const char *word, char **rest, Error *err)
 {
     static const char *const steps[] = { "reading", "lit", "shot", "linked", "solved" };
-    if (strcmp(word, "frames") == 0) {
-        char *end;
-        step->what = DO_WAIT_FRAMES;
-        step->number[0] = strtod(*rest, &end);
-        const bool found = end != *rest && step->number[0] >= 1;
-        *rest = end;
-        return found;
-    }
-    if (strcmp(word, "tiles") == 0) {
-        char *end;
-        step->what = DO_WAIT_TILES;
-        step->number[0] = strtod(*rest, &end);
-        const bool found = end != *rest && step->number[0] >= 0 && step->number[0] <= 1;
-        *rest = end;
-        return found;
-    }
+    if (strcmp(word, "frames") == 0)
+        return take_number(step, DO_WAIT_FRAMES, 1, INFINITY, rest);
+    if (strcmp(word, "seconds") == 0)
+        return take_number(step, DO_WAIT_SECONDS, 0, INFINITY, rest);
+    if (strcmp(word, "tiles") == 0)
+        return take_number(step, DO_WAIT_TILES, 0, 1, rest);
     if (strcmp(word, "said") == 0)
         return take_text(step, rest, err);
     if (strcmp(word, "picture") == 0 || strcmp(word, "settled") == 0) {
@@ -273,6 +273,8 @@ static bool carry_out(const Step *step, double frame, const ScriptState *state, 
         return state->picture == EASEL_DONE || state->tiles >= step->number[0];
     case DO_WAIT_SETTLED:
         return state->settled;
+    case DO_WAIT_SECONDS:
+        return state->seconds >= step->number[0];
     case DO_WAIT_PICTURE:
         return state->picture == EASEL_DONE;
     case DO_SCREENSHOT:

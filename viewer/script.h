@@ -13,6 +13,7 @@
  *   minimise | restore
  *   lose-context             as if the graphics card had lost all it held
  *   wait frames N | wait lit | wait shot | wait linked | wait solved
+ *   wait seconds X           until so many have passed since the window was opened
  *   wait picture             until the one that R asked for is finished
  *   wait tiles X             until that share of it is, 0..1
  *   wait settled             until light has followed all that was changed, its error estimated
@@ -39,6 +40,7 @@ typedef struct {
     bool      settled;      /* light is solved for as lamps and paint are now */
     EaselState picture;
     double    tiles;        /* share of it that is finished */
+    double    seconds;      /* since the window was opened */
     const char *notice;     /* the line that is shown last; "": none */
 } ScriptState;
 

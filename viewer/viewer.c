@@ -153,6 +153,7 @@ static bool run_script(Viewer *viewer, Error *err)
         .picture = picture,
         .tiles = tiles,
         .notice = viewer->notice,
+        .seconds = window_time(),
         .settled = viewer->settled,
     };
     if (viewer->script == NULL)

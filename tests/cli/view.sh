@@ -20,6 +20,7 @@ ok "and their picture" test -s "$DIR/frames.png"
 
 cat >"$DIR/all.txt" <<END
 # keys, mouse, panels
+wait seconds 0
 wait lit
 screenshot $DIR/lit.png
 wait solved
