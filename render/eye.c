@@ -12,8 +12,22 @@
 #include "render/specular.h"
 #include "render/split.h"
 
-enum { BOUNCES = 8 };
-enum { SEED_PIXEL = 100, SEED_SPECULAR, SEED_LENS, SEED_WAVE = 200 }; /* + bounce for the last */
+/* Bounces before roulette begins, and those after which a ray is given up: few of a million come so
+ * far even between perfect mirrors. */
+enum { BOUNCES_FREE = 8, BOUNCES_MOST = 256 };
+/* Chance to go on then, even where nothing is lost. */
+static const double SURVIVAL_MOST = 7.0 / 8;
+/* Both ways at glass are followed where each counts at least so much; else chance takes one. What a
+ * sample's rays count comes to 1 at most, so there are not more of them than 1 over this. */
+static const double FORK_LEAST = 1.0 / EYE_FORKS;
+/* Ends seen by way of mirrors and glass that count less than this gather by chance. A sample's
+ * noise from it is at most this share of a white place in the same light. */
+static const double WORTH_LEAST = 1.0 / 256;
+
+/* + bounce for the last; other ways of a sample's rays are FORK_STRIDE apart. */
+enum { SEED_PIXEL = 100, SEED_SPECULAR, SEED_LENS, SEED_ROULETTE, SEED_WORTH,
+       SEED_WAVE = 200 };
+enum { FORK_STRIDE = 2 * BOUNCES_MOST };
 
 static const double PI = 3.14159265358979323846;
 
@@ -34,17 +48,37 @@ static bool emits(const Room *room, const RoomHit *hit)
 
 /* The point where light is received, and what is known of it already. */
 static void receive_point(const Eye *eye, const EyeSample *sample, const EyeRay *ray,
-                          const RoomHit *hit, Rgb albedo, unsigned bounce, EyePoint *out)
+                          const RoomHit *hit, Rgb albedo, EyePoint *out)
 {
     const float   *smooth = ray->blurred ? NULL : eye->gatherer->smooth;
     const Receiver at = normals_receive(smooth, eye->gatherer->room, hit);
     *out = (EyePoint){
         .point = { .at = at, .index = sample->index, .group = sample->group,
-                   .seed = sampling_mix(sample->seed + SEED_WAVE + bounce),
+                   .seed = sampling_mix(sample->seed + SEED_WAVE + ray->bounce +
+                                        FORK_STRIDE * ray->fork),
                    .guide = guides_find(&eye->guides, &at) },
-        .albedo = albedo, .sample = ray->sample,
+        .albedo = albedo, .sample = ray->sample, .bounce = ray->bounce,
         .throughput = rgb_scale(rgb_mul(ray->weight, albedo), 1 / PI)
     };
+}
+
+/* A number in [0, 1) for a ray of a sample. */
+static double luck(const EyeSample *sample, const EyeRay *ray, uint32_t purpose)
+{
+    const uint32_t key = sampling_seed(sample->seed, purpose, ray->bounce, ray->fork);
+    return sampling_mix(key ^ sampling_mix(sample->index)) * 0x1p-32;
+}
+
+/* Whether light is gathered at an end that counts `albedo` of it: dim ends, seen by way of glass
+ * or mirrors, are by chance alone, and *weight is what those count for the rest. */
+static bool is_worth(const EyeSample *sample, const EyeRay *ray, Rgb albedo, double *weight)
+{
+    const double chance = rgb_max(rgb_mul(ray->weight, albedo)) / WORTH_LEAST;
+    *weight = 1;
+    if (ray->bounce == 0 || chance >= 1)
+        return true;
+    *weight = 1 / chance;
+    return luck(sample, ray, SEED_WORTH) < chance;
 }
 
 /* Whether two points are seen through one pixel on one plane. */
@@ -58,12 +92,12 @@ static bool same_place(const EyeSample *sample, const EyePoint *a, const EyePoin
 
 /* Reads the records. Points side by side in a pixel share what their mean point gets: light is
  * linear there. */
-static void read_records(Eye *eye, const EyeSample *sample, uint32_t points, unsigned bounce)
+static void read_records(Eye *eye, const EyeSample *sample, uint32_t points)
 {
     for (uint32_t k = 0, end; k < points; k = end) {
         EyePoint *first = &eye->point[k];
         Receiver  at = first->point.at;
-        for (end = k + 1; end < points && bounce == 0 && eye->split == NULL &&
+        for (end = k + 1; end < points && first->bounce == 0 && eye->split == NULL &&
                           same_place(sample, first, &eye->point[end]); end++)
             at.point = vec3_add(at.point, eye->point[end].point.at.point);
         at.point = vec3_scale(at.point, 1.0 / (end - k));
@@ -82,9 +116,42 @@ static void add_seen(Pixel *pixel, uint32_t group, Rgb light)
         pixel->split[group] = rgb_add(pixel->split[group], light);
 }
 
-/* The ray on from a mirror, glass or gloss. */
-static bool way_on(Eye *eye, const EyeSample *sample, const EyeRay *ray, const RoomHit *hit,
-                   const Material *m, unsigned bounce, EyeRay *on)
+/* A sharp way on. */
+static bool sharp_way(const Eye *eye, const EyeRay *ray, const RoomHit *hit, const Material *m,
+                      Rgb weight, EyeRay *on)
+{
+    if (specular_is_straight(eye->gatherer->room, hit, m, &on->ray)) {
+        on->density = ray->density;
+        on->from = ray->from;
+    }
+    on->blurred = ray->blurred;
+    on->weight = rgb_mul(ray->weight, weight);
+    return rgb_max(on->weight) > 0;
+}
+
+/* Follows both ways of glass, or the only one, if that is worth it; returns how many. */
+static uint32_t both_ways(const Eye *eye, const EyeRay *ray, const RoomHit *hit, const Material *m,
+                          Vec3 normal, Vec3 way, EyeRay on[2])
+{
+    Ray out[2];
+    Rgb weight[2];
+    if (ray->by_chance || !(rgb_max(m->transmittance) > 0))
+        return 0;
+    const unsigned n = specular_ways(eye->gatherer->room, m, hit, normal, way, out, weight);
+    for (unsigned i = 0; i < n; i++)
+        if (rgb_max(rgb_mul(ray->weight, weight[i])) < FORK_LEAST)
+            return 0;
+    for (unsigned i = 0; i < n; i++) {
+        on[i].ray = out[i];
+        on[i].fork = n > 1 ? 2 * ray->fork + 1 + i : ray->fork;
+        sharp_way(eye, ray, hit, m, weight[i], &on[i]);
+    }
+    return n;
+}
+
+/* The rays on from a mirror, glass or gloss; returns how many. */
+static uint32_t ways_on(Eye *eye, const EyeSample *sample, const EyeRay *ray, const RoomHit *hit,
+                        const Material *m, EyeRay on[2])
 {
     const Room  *room = eye->gatherer->room;
     const float *smooth = eye->gatherer->smooth;
@@ -92,30 +159,45 @@ static bool way_on(Eye *eye, const EyeSample *sample, const EyeRay *ray, const R
     const Vec3   normal = normals_at(smooth, room, hit, way);
     float        u[4], v[4];
     Rgb          weight;
-    sampling_sobol4(sample->index, sampling_seed(sample->seed, SEED_SPECULAR, bounce, 0), u);
-    on->blurred = ray->blurred || !specular_is_sharp(m);
+    on[0] = on[1] = (EyeRay){ .sample = ray->sample, .bounce = ray->bounce + 1,
+                              .fork = ray->fork, .by_chance = ray->by_chance };
+    const uint32_t both = specular_is_sharp(m)
+                              ? both_ways(eye, ray, hit, m, normal, way, on) : 0;
+    if (both > 0)
+        return both;
+    sampling_sobol4(sample->index, sampling_seed(sample->seed, SEED_SPECULAR, ray->bounce,
+                                                 2 * ray->fork), u);
     if (!specular_is_sharp(m)) {
         /* Gloss is light received, too. */
         EyeGloss place = { .at = normals_receive(ray->blurred ? NULL : smooth, room, hit),
                            .weight = rgb_mul(ray->weight, m->specular), .pixel = sample->pixel };
         gloss_init(&place.gloss, m, place.at.face, normal, way);
-        sampling_sobol4(sample->index, sampling_seed(sample->seed, SEED_SPECULAR, bounce, 1), v);
+        sampling_sobol4(sample->index, sampling_seed(sample->seed, SEED_SPECULAR, ray->bounce,
+                                                     2 * ray->fork + 1), v);
+        on->blurred = true;
         return eye_gloss(eye, &place, u, v, on);
     }
-    if (!specular_continue(room, hit, normal, way, u[2], &on->ray, &weight))
-        return false;
-    if (specular_is_straight(room, hit, m, &on->ray)) {
-        on->density = ray->density;
-        on->from = ray->from;
-    }
-    on->weight = rgb_mul(ray->weight, weight);
-    return rgb_max(on->weight) > 0;
+    on->by_chance = on->by_chance || rgb_max(m->transmittance) > 0;
+    return specular_continue(room, hit, normal, way, u[2], &on->ray, &weight) &&
+           sharp_way(eye, ray, hit, m, weight, on);
 }
 
-/* Handles one end of an eye's ray: what it shows by itself, a receiving point, a ray further on.
- * Returns whether *on was filled. */
-static bool end_of_ray(Eye *eye, const EyeSample *samples, uint32_t i, unsigned bounce,
-                       uint32_t *points, EyeRay *on)
+/* Whether chance lets a ray that has come far go on; then it counts for those that do not. */
+static bool survives(const EyeSample *sample, EyeRay *ray)
+{
+    if (ray->bounce <= BOUNCES_FREE)
+        return true;
+    const double chance = fmin(rgb_max(ray->weight), SURVIVAL_MOST);
+    const bool   lucky = luck(sample, ray, SEED_ROULETTE) < chance;
+    ray->weight = rgb_scale(ray->weight, 1 / chance);
+    ray->by_chance = true;
+    return ray->bounce < BOUNCES_MOST && lucky;
+}
+
+/* Handles one end of an eye's ray: what it shows by itself, a receiving point, rays further on.
+ * Returns how many of these. */
+static uint32_t end_of_ray(Eye *eye, const EyeSample *samples, uint32_t i, uint32_t *points,
+                           EyeRay on[2])
 {
     const Room      *room = eye->gatherer->room;
     const EyeRay    *ray = &eye->eye[i];
@@ -126,7 +208,7 @@ static bool end_of_ray(Eye *eye, const EyeSample *samples, uint32_t i, unsigned 
         const Rgb light = rgb_mul(ray->weight, eye->options->background);
         pixel->radiance = rgb_add(pixel->radiance, light);
         add_seen(pixel, split != NULL ? split->count : 0, light);
-        return false;
+        return 0;
     }
     const Vec3 in = vec3(ray->ray.dx, ray->ray.dy, ray->ray.dz);
     RoomHit    hit;
@@ -141,23 +223,31 @@ static bool end_of_ray(Eye *eye, const EyeSample *samples, uint32_t i, unsigned 
         pixel->radiance = rgb_add(pixel->radiance, light);
         add_seen(pixel, split != NULL ? split_emission(split, hit.surface, hit.side) : 0, light);
     }
-    if (bounce == 0 || rgb_max(m->reflectance) > 0)
-        receive_point(eye, sample, ray, &hit, m->reflectance, bounce, &eye->point[(*points)++]);
-    if (eye->options->diffuse_only || bounce == BOUNCES || !specular_exists(m))
-        return false;
-    *on = (EyeRay){ .sample = ray->sample };
-    return way_on(eye, sample, ray, &hit, m, bounce, on);
+    double worth;
+    if ((ray->bounce == 0 || rgb_max(m->reflectance) > 0) &&
+        is_worth(sample, ray, m->reflectance, &worth)) {
+        EyePoint *point = &eye->point[(*points)++];
+        receive_point(eye, sample, ray, &hit, m->reflectance, point);
+        point->throughput = rgb_scale(point->throughput, worth);
+    }
+    if (eye->options->diffuse_only || !specular_exists(m))
+        return 0;
+    const uint32_t ways = ways_on(eye, sample, ray, &hit, m, on);
+    uint32_t       n = 0;
+    for (uint32_t k = 0; k < ways; k++)
+        if (survives(sample, &on[k]))
+            on[n++] = on[k];
+    return n;
 }
 
 /* Adds what a receiving point of some bounce found. */
-static void add_point(const EyePoint *point, Rgb direct, Rgb indirect, unsigned bounce,
-                      Pixel *pixel)
+static void add_point(const EyePoint *point, Rgb direct, Rgb indirect, Pixel *pixel)
 {
     const Rgb e = rgb_add(direct, indirect);
     pixel->radiance = rgb_add(pixel->radiance, rgb_mul(point->throughput, e));
     if (point->known)
         pixel->deviation += rgb_luminance(point->throughput) * point->recorded.deviation;
-    if (bounce > 0)
+    if (point->bounce > 0)
         return;
     pixel->direct = rgb_add(pixel->direct, rgb_mul(point->throughput, direct));
     pixel->indirect = rgb_add(pixel->indirect, rgb_mul(point->throughput, indirect));
@@ -172,8 +262,8 @@ static void add_groups(const EyePoint *point, const Rgb *light, uint32_t groups,
         pixel->split[k] = rgb_add(pixel->split[k], rgb_mul(point->throughput, light[k]));
 }
 
-/* Light at the receiving points of one bounce; those without a record come first and gather. */
-static void gather_points(Eye *eye, const EyeSample *sample, uint32_t points, unsigned bounce)
+/* Light at the receiving points; those without a record come first and gather. */
+static void gather_points(Eye *eye, const EyeSample *sample, uint32_t points)
 {
     const RenderOptions *o = eye->options;
     uint32_t order[WAVE_POINTS], n = 0;
@@ -200,7 +290,7 @@ static void gather_points(Eye *eye, const EyeSample *sample, uint32_t points, un
                 indirect = records_find_apart(o->records, &p->point.at, light);
             add_groups(p, light, groups, sample[p->sample].pixel);
         }
-        add_point(p, eye->wave.direct[k], indirect, bounce, sample[p->sample].pixel);
+        add_point(p, eye->wave.direct[k], indirect, sample[p->sample].pixel);
     }
 }
 
@@ -256,25 +346,37 @@ Rgb *eye_sums(const Eye *eye, uint32_t slot)
 
 /* --- samples ---------------------------------------------------------------------------------- */
 
+/* The last of the rays that wait become those under way; returns how many. Last in, first out: so
+ * few wait. */
+static uint32_t take_waiting(Eye *eye, uint32_t *waiting)
+{
+    const uint32_t n = *waiting < WAVE_POINTS ? *waiting : WAVE_POINTS;
+    *waiting -= n;
+    memcpy(eye->eye, eye->waiting + *waiting, n * sizeof *eye->eye);
+    return n;
+}
+
 void eye_gather(Eye *eye, const EyeSample *sample, uint32_t count)
 {
     assert(count <= WAVE_POINTS);
+    uint32_t waiting = 0;
     count = start_rays(eye, sample, count);
-    for (unsigned bounce = 0; count > 0; bounce++) {
-        uint32_t points = 0, next = 0;
-        assert(bounce <= BOUNCES);
+    while (count > 0) {
+        uint32_t points = 0;
         for (uint32_t i = 0; i < count; i++)
             eye->ray[i] = eye->eye[i].ray;
         bvh_nearest_many(eye->gatherer->room->bvh, eye->ray, eye->hit, count);
         eye->wave.rays += count;
         for (uint32_t i = 0; i < count; i++) {
-            EyeRay on;
-            if (end_of_ray(eye, sample, i, bounce, &points, &on))
-                eye->eye[next++] = on;
+            EyeRay on[2];
+            const uint32_t n = end_of_ray(eye, sample, i, &points, on);
+            assert(waiting + n <= EYE_FORKS * WAVE_POINTS);
+            for (uint32_t k = 0; k < n; k++)
+                eye->waiting[waiting++] = on[k];
         }
         if (eye->options->records != NULL)
-            read_records(eye, sample, points, bounce);
-        gather_points(eye, sample, points, bounce);
-        count = next;
+            read_records(eye, sample, points);
+        gather_points(eye, sample, points);
+        count = take_waiting(eye, &waiting);
     }
 }

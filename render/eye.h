@@ -33,6 +33,9 @@ typedef struct {
     Ray      ray;
     Rgb      weight;
     uint32_t sample;
+    unsigned bounce;    /* mirrors, glass and gloss passed */
+    uint32_t fork;      /* tells the ways of one sample's rays apart; 0: there is one */
+    bool     by_chance; /* one of two ways was, or roulette has let it go on: it takes no more */
     bool     blurred; /* by gloss on its way: what it meets is not seen sharp */
     double   density; /* > 0: gloss at `from` chose its direction so densely; lamps it meets are */
     Receiver from;    /* aimed at from there, too */
@@ -53,7 +56,11 @@ typedef struct {
     Recorded  recorded;
     bool      known;              /* `recorded` holds */
     uint32_t  sample;
+    unsigned  bounce;
 } EyePoint;
+
+/* Rays that a sample's may become at glass, where both ways are followed. */
+enum { EYE_FORKS = 16 };
 
 /* Pixels under way at once: two halves of each of a tile. */
 enum { EYE_SUMS = 2 * 16 * 16 };
@@ -68,7 +75,7 @@ typedef struct {
     Rgb     *sums;     /* [EYE_SUMS * (groups + 1)]  of pixels; NULL likewise */
     Guides   guides;
     Wave     wave;
-    EyeRay   eye[WAVE_POINTS];
+    EyeRay   eye[WAVE_POINTS], waiting[EYE_FORKS * WAVE_POINTS];
     EyePoint point[WAVE_POINTS];
     Ray      ray[WAVE_POINTS];
     Hit      hit[WAVE_POINTS];

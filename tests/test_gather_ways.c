@@ -92,6 +92,67 @@ static void gloss_of_lights_and_lamps(void **state)
     place_clear(&q);
 }
 
+/* A room of mirrors that reflect r and shine with L shows L / (1 - r) everywhere, by any number of
+ * bounces. A ray's worth is at most that plus L per bounce before roulette. */
+static void room_of_mirrors(void **state)
+{
+    (void)state;
+    enum { SAMPLES = 1024 };
+    static const double r = 0.9;
+    Place    p = { 0 };
+    Material mirror = material_default();
+    uint32_t m;
+    mirror.reflectance = rgb(0, 0, 0);
+    mirror.specular = rgb(r, r, r);
+    mirror.exponent = INFINITY;
+    mirror.emission = rgb(1, 1, 1);
+    assert_true(polygons_add_material(&p.soup, &mirror, &m, &p.err));
+    add_room(&p, m);
+    place_finish(&p, 3, 30);
+    const Camera  camera = { .eye = { 0.4, 0.5, 0.6 }, .target = { 1, 0.7, 0.1 },
+                             .up = { 0, 0, 1 }, .vertical_fov = 1 };
+    const double  seen = 1 / (1 - r);
+    RenderOptions o = { .width = 2, .height = 2, .samples = SAMPLES };
+    Image        *image = picture(&p, &camera, o);
+    double        mean = 0;
+    for (int i = 0; i < 4; i++)
+        mean += image->radiance[3 * i] / 4;
+    assert_true(fabs(mean - seen) < 4 * seen / sqrt(4 * SAMPLES));
+    image_destroy(image);
+    place_clear(&p);
+}
+
+/* Glass that absorbs nothing, in light that is the same from everywhere, cannot be seen: both ways
+ * at its skin, and all that go on inside by chance, come to 1. */
+static void clear_ball_in_even_light(void **state)
+{
+    (void)state;
+    enum { SAMPLES = 64, SIDE = 8 };
+    Place    p = { 0 };
+    Material glass = material_default();
+    uint32_t m;
+    glass.reflectance = rgb(0, 0, 0);
+    glass.transmittance = rgb(1, 1, 1);
+    glass.ior = 1.5;
+    assert_true(polygons_add_material(&p.soup, &glass, &m, &p.err));
+    add_shape(&p, SHAPE_SPHERE, vec3(0, 0, 0), 1, m);
+    add_quad(&p, vec3(40, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1), grey(&p, 0, 1)); /* as bright */
+    place_finish(&p, 1, 30);
+    const Camera  camera = { .eye = { 0, 0, 3 }, .up = { 0, 1, 0 }, .vertical_fov = 0.6 };
+    RenderOptions o = { .width = SIDE, .height = SIDE, .samples = SAMPLES,
+                        .background = { 1, 1, 1 } };
+    Image        *image = picture(&p, &camera, o);
+    double        mean = 0;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        mean += image->radiance[3 * i] / (SIDE * SIDE);
+        /* What is left to chance is less than what each fork keeps back, 1/16. */
+        assert_true(fabs(image->radiance[3 * i] - 1) < 0.25);
+    }
+    assert_true(fabs(mean - 1) < 4 * 0.25 / sqrt(SAMPLES * SIDE * SIDE));
+    image_destroy(image);
+    place_clear(&p);
+}
+
 /* --- lamps seen in flat mirrors --------------------------------------------------------------- */
 
 /* Factor from a point to the rectangle (0,0)..(x,y) at height h over it, parallel; odd in x and y
@@ -183,6 +244,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mirror_and_pane),
         cmocka_unit_test(gloss_of_lights_and_lamps),
+        cmocka_unit_test(room_of_mirrors),
+        cmocka_unit_test(clear_ball_in_even_light),
         cmocka_unit_test(lamp_in_flat_mirror),
         cmocka_unit_test(ball_in_flat_mirror),
     };
