@@ -144,6 +144,27 @@ static Rgb light_all(const Room *room, const Receiver *at, bool clear)
     return sum;
 }
 
+/* The same by way of flat mirrors. */
+static Rgb light_images(const Gatherer *g, const Receiver *at)
+{
+    const Room *room = g->room;
+    Rgb         sum = { 0, 0, 0 };
+    uint64_t    rays = 0;
+    for (uint32_t plane = 0; plane < g->images.count; plane++) {
+        Receiver image;
+        if (!images_receiver(room, &g->images.plane[plane], at, &image))
+            continue;
+        for (size_t i = 0; i < room->light_count; i++) {
+            const LampSample s = { .point = room->lights[i].position, .lamp = (uint32_t)i };
+            const Rgb        e = lamps_light(&room->lights[i], &image);
+            if (rgb_max(e) > 0)
+                sum = rgb_add(sum, rgb_mul(e, images_pass(&g->images, room, plane, at, &s,
+                                                          g->clear, &rays)));
+        }
+    }
+    return sum;
+}
+
 void gather_irradiance(const Gatherer *gatherer, Vec3 point, Vec3 normal, uint32_t rays,
                        uint32_t seed, Irradiance *out)
 {
@@ -178,4 +199,5 @@ void gather_irradiance(const Gatherer *gatherer, Vec3 point, Vec3 normal, uint32
     out->standard_error = sqrt(fmax(square - mean * mean, 0) / (SCRAMBLINGS - 1));
     out->direct = rgb_add(out->direct, light_all(gatherer->room, &at,
                                                 gatherer->clear && gatherer->room->mirrors));
+    out->direct = rgb_add(out->direct, light_images(gatherer, &at));
 }

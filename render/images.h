@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* render/images.h -- lamps seen in flat mirrors: what they throw by way of these is aimed at.
+/* render/images.h -- lamps and lights in flat mirrors: what they throw by way of these is aimed at.
  *
  * A flat mirror shows a point the lamps as its image behind the mirror sees them through it as a
  * window. So lamps are sampled for the image of the point, as sharply as for the point itself, and
  * two rays tell whether the light passes: to the mirror, and on to the lamp. Hemisphere rays that
- * find the same way weigh in by multiple importance sampling, as they do for lamps met straight.
+ * find the same way weigh in by multiple importance sampling, as they do for lamps met straight;
+ * point lights they do not meet at all.
  * Only for the few flat mirrors that are large; light of lamps by curved and small mirrors, by two
  * mirrors, and by glass that bends it comes by hemisphere rays alone.
  * Threads  never changes once made.

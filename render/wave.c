@@ -185,9 +185,9 @@ static void receive_lamps(Wave *wave, unsigned level, uint32_t count, const Wave
     }
 }
 
-/* One lamp sample of a point's image in a plane, the e-th of the level. */
+/* One sample of lamps, or of lights, for a point's image in a plane: the e-th of the level. */
 static void add_image(Wave *wave, unsigned level, uint32_t e, uint32_t rays, uint32_t plane,
-                      const WaveOptions *options)
+                      const WaveOptions *options, bool lights)
 {
     const Gatherer  *g = wave->gatherer;
     const WavePoint *p = &wave->point[level][e / rays];
@@ -199,7 +199,8 @@ static void add_image(Wave *wave, unsigned level, uint32_t e, uint32_t rays, uin
     if (!images_receiver(g->room, &g->images.plane[plane], &p->at, &image))
         return;
     sampling_sobol2(p->index * rays + e % rays, seed ^ p->seed, u);
-    if (!lamps_sample(&g->lamps, &image, &plan, u[0], u[1], &s))
+    if (lights ? !lamps_sample_light(&g->lamps, &image, u[0], &s)
+               : !lamps_sample(&g->lamps, &image, &plan, u[0], u[1], &s))
         return;
     Rgb pass = images_pass(&g->images, g->room, plane, &p->at, &s, g->clear, &wave->rays);
     if (!(rgb_max(pass) > 0))
@@ -215,13 +216,14 @@ static void add_image(Wave *wave, unsigned level, uint32_t e, uint32_t rays, uin
                      split_sums(wave, p, options));
 }
 
-/* Light of lamps by way of flat mirrors. */
-static void receive_images(Wave *wave, unsigned level, uint32_t count, const WaveOptions *options)
+/* Light of lamps, or of point lights, by way of flat mirrors. */
+static void receive_images(Wave *wave, unsigned level, uint32_t count, const WaveOptions *options,
+                           bool lights)
 {
     const uint32_t rays = level == 0 ? options->lamp_rays : 1;
     for (uint32_t plane = 0; options->clear && plane < wave->gatherer->images.count; plane++)
         for (uint32_t e = 0; e < count * rays; e++)
-            add_image(wave, level, e, rays, plane, options);
+            add_image(wave, level, e, rays, plane, options, lights);
 }
 
 /* --- the hemisphere -------------------------------------------------------------------------- */
@@ -509,11 +511,13 @@ static void receive(Wave *wave, unsigned level, uint32_t count, const WaveOption
     const bool lamps = level > 0 || !options->indirect_only;
     if (lamps) {
         receive_lamps(wave, level, count, options, false);
-        receive_images(wave, level, count, options);
+        receive_images(wave, level, count, options, false);
     }
     /* Who sees to the point lights at the points themselves does not where rays end. */
-    if (lamps && (options->lights || level > 0) && wave->gatherer->room->light_count > 0)
+    if (lamps && (options->lights || level > 0) && wave->gatherer->room->light_count > 0) {
         receive_lamps(wave, level, count, options, true);
+        receive_images(wave, level, count, options, true);
+    }
     const uint32_t rays = level == 0 ? options->gather_rays : 1;
     if (level == 0)
         count = wave->gathered;
