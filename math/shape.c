@@ -184,6 +184,15 @@ double shape_density(const Shape *shape, double u, double v)
     return shape_local_weight(shape, v) * vec3_length(n);
 }
 
+void shape_place_at(const Shape *shape, double u, double v, Vec3 *point, Vec3 *normal)
+{
+    assert(shape != NULL && point != NULL && normal != NULL);
+    const Vec3 p = shape_local_point(shape, u, v);
+    const Vec3 n = shape->kind == SHAPE_SPHERE ? p : shape_local_normal(shape, u, v);
+    *point = affine_point(&shape->to_world, p);
+    *normal = vec3_unit(affine_normal(&shape->to_local, n));
+}
+
 void shape_all_at(const Shape *shape, double u, double v, Vec3 *point, Vec3 *normal,
                   double *density)
 {

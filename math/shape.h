@@ -43,7 +43,8 @@ Vec3 shape_point(const Shape *shape, double u, double v);
 Vec3 shape_normal(const Shape *shape, double u, double v);
 /* |dP/du x dP/dv|: area per unit of (u, v). */
 double shape_density(const Shape *shape, double u, double v);
-/* All three at once, bit for bit: sooner. */
+/* The first two, or all three, at once, bit for bit: sooner. */
+void shape_place_at(const Shape *shape, double u, double v, Vec3 *point, Vec3 *normal);
 void shape_all_at(const Shape *shape, double u, double v, Vec3 *point, Vec3 *normal,
                   double *density);
 /* Area of the part u0..u1, v0..v1 by adaptive Gauss-Legendre quadrature, relative error < 1e-9. */
@@ -69,5 +70,16 @@ typedef struct {
 /* Nearest hit with t_min < t < t_max; both sides count; a NaN gives no hit. */
 bool shape_intersect(const Shape *shape, Vec3 origin, Vec3 direction, double t_min, double t_max,
                      ShapeHit *hit);
+
+/* The same without (u, v), whose angle takes long and which only a ray's nearest hit needs. */
+typedef struct {
+    double t;
+    bool   front;
+    Vec3   local; /* point of the unit form, for shape_meeting_parameters */
+} ShapeMeeting;
+bool shape_meet(const Shape *shape, Vec3 origin, Vec3 direction, double t_min, double t_max,
+                ShapeMeeting *meeting);
+void shape_meeting_parameters(const Shape *shape, const ShapeMeeting *meeting, double *u,
+                              double *v);
 
 #endif

@@ -93,10 +93,10 @@ static bool from_outside(const Shape *shape, Vec3 p, Vec3 d)
     return off * (p.x * d.x + p.y * d.y) + p.z * d.z < 0;
 }
 
-bool shape_intersect(const Shape *shape, Vec3 origin, Vec3 direction, double t_min, double t_max,
-                     ShapeHit *hit)
+bool shape_meet(const Shape *shape, Vec3 origin, Vec3 direction, double t_min, double t_max,
+                ShapeMeeting *meeting)
 {
-    assert(shape != NULL && hit != NULL);
+    assert(shape != NULL && meeting != NULL);
     LocalRay ray = { .origin = affine_point(&shape->to_local, origin),
                      .direction = affine_vector(&shape->to_local, direction),
                      .t_min = t_min,
@@ -111,9 +111,25 @@ bool shape_intersect(const Shape *shape, Vec3 origin, Vec3 direction, double t_m
     ray.origin = vec3_mad(ray.origin, ray.shift, ray.direction);
     if (!local_first(shape, &ray, &s))
         return false;
-    hit->t = ray.shift + s;
-    const Vec3 p = vec3_mad(ray.origin, s, ray.direction);
-    hit->front = from_outside(shape, p, ray.direction);
-    shape_local_parameters(shape, p, &hit->u, &hit->v);
+    meeting->t = ray.shift + s;
+    meeting->local = vec3_mad(ray.origin, s, ray.direction);
+    meeting->front = from_outside(shape, meeting->local, ray.direction);
+    return true;
+}
+
+void shape_meeting_parameters(const Shape *shape, const ShapeMeeting *meeting, double *u, double *v)
+{
+    shape_local_parameters(shape, meeting->local, u, v);
+}
+
+bool shape_intersect(const Shape *shape, Vec3 origin, Vec3 direction, double t_min, double t_max,
+                     ShapeHit *hit)
+{
+    ShapeMeeting meeting;
+    assert(shape != NULL && hit != NULL);
+    if (!shape_meet(shape, origin, direction, t_min, t_max, &meeting))
+        return false;
+    *hit = (ShapeHit){ .t = meeting.t, .front = meeting.front };
+    shape_meeting_parameters(shape, &meeting, &hit->u, &hit->v);
     return true;
 }

@@ -157,6 +157,9 @@ typedef struct {
 } SurfacePoint;
 void surfaces_point(const Surfaces *surfaces, uint32_t surface, double s, double t,
                     SurfacePoint *out);
+/* Its point and normal alone, bit for bit: sooner on shapes. */
+void surfaces_place(const Surfaces *surfaces, uint32_t surface, double s, double t, Vec3 *point,
+                    Vec3 *normal);
 /* Unit front normal of a primitive at a hit. */
 Vec3 surfaces_normal(const Surfaces *surfaces, uint32_t primitive, double u, double v);
 

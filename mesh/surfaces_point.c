@@ -55,6 +55,22 @@ void surfaces_point(const Surfaces *surfaces, uint32_t surface, double s, double
     }
 }
 
+void surfaces_place(const Surfaces *surfaces, uint32_t surface, double s, double t, Vec3 *point,
+                    Vec3 *normal)
+{
+    assert(surface < surfaces->count && point != NULL && normal != NULL);
+    const Surface *f = &surfaces->surface[surface];
+    if (f->kind == SURFACE_SHAPE) {
+        shape_place_at(&surfaces->shape[f->primitive - surfaces->triangle_count], s, t, point,
+                       normal);
+        return;
+    }
+    SurfacePoint at;
+    surfaces_point(surfaces, surface, s, t, &at);
+    *point = at.point;
+    *normal = at.normal;
+}
+
 Vec3 surfaces_normal(const Surfaces *surfaces, uint32_t primitive, double u, double v)
 {
     assert(primitive < surfaces_primitive_count(surfaces));

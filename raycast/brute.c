@@ -58,7 +58,7 @@ static Best brute_trace(const Primitives *in, const Ray *ray)
         probe_triangle(p, (const float(*)[3])seen, i, i, &best);
     }
     for (uint32_t i = 0; i < in->shape_count; i++)
-        probe_shape(ray, p, &in->shape[i], in->triangle_count + i, &best);
+        probe_shape(ray, p, &in->shape[i], in->triangle_count + i, false, &best);
     return best;
 }
 

@@ -11,7 +11,7 @@ static bool leaf_count(const Bvh *bvh, const Ray *ray, const Probe *p, uint32_t 
     if (child_is_shape(leaf)) {
         const uint32_t i = child_shape_index(leaf);
         cost->shapes++;
-        return probe_shape(ray, p, &bvh->shape[i], bvh->triangle_count + i, best);
+        return probe_shape(ray, p, &bvh->shape[i], bvh->triangle_count + i, false, best);
     }
     bool found = false;
     const uint32_t first = child_group(leaf);

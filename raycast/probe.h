@@ -153,13 +153,15 @@ static inline bool probe_lane(const Probe *p, const TriangleGroup *group, int la
 }
 
 /* The shape is asked for the whole ray, not up to the best hit: the answer must not depend on what
- * was met before. A t that rounds onto an end of the range is moved inside. */
+ * was met before. A t that rounds onto an end of the range is moved inside. With `any` nobody asks
+ * where on the shape. */
 static inline bool probe_shape(const Ray *ray, const Probe *p, const Shape *shape,
-                               uint32_t primitive, Best *best)
+                               uint32_t primitive, bool any, Best *best)
 {
-    ShapeHit hit;
-    if (!shape_intersect(shape, vec3(ray->ox, ray->oy, ray->oz), vec3(ray->dx, ray->dy, ray->dz),
-                         ray->t_min, ray->t_max, &hit))
+    ShapeMeeting hit;
+    double       u = 0, v = 0;
+    if (!shape_meet(shape, vec3(ray->ox, ray->oy, ray->oz), vec3(ray->dx, ray->dy, ray->dz),
+                    ray->t_min, ray->t_max, &hit))
         return false;
     float t = (float)hit.t;
     if (t <= ray->t_min)
@@ -169,7 +171,9 @@ static inline bool probe_shape(const Ray *ray, const Probe *p, const Shape *shap
     if (!(t > ray->t_min && t <= best->limit))
         return false;
     const uint32_t side = hit.front ? 0 : BEST_BACK;
-    const Candidate found = { .t = t, .u = (float)hit.u, .v = (float)hit.v,
+    if (!any)
+        shape_meeting_parameters(shape, &hit, &u, &v);
+    const Candidate found = { .t = t, .u = (float)u, .v = (float)v,
                               .key = primitive | side, .place = 0 };
     return best_offer(best, p->reach, &found);
 }

@@ -18,7 +18,7 @@ ALWAYS_INLINE bool leaf_trace(const Bvh *bvh, const Ray *ray, const Probe *p, ui
 {
     if (child_is_shape(leaf)) {
         const uint32_t i = child_shape_index(leaf);
-        return probe_shape(ray, p, &bvh->shape[i], bvh->triangle_count + i, best);
+        return probe_shape(ray, p, &bvh->shape[i], bvh->triangle_count + i, any, best);
     }
     const uint32_t first = child_group(leaf);
     return groups_test(&bvh->group[first], child_group_count(leaf), p, first * GROUP_WIDTH, any,

@@ -14,15 +14,14 @@
 void path_hit(const Room *room, const Hit *hit, Vec3 direction, RoomHit *out)
 {
     const Surfaces *s = room->surfaces;
-    SurfacePoint    at;
+    Vec3            normal;
     assert(hit->primitive < surfaces_primitive_count(s));
     *out = (RoomHit){ .surface = surfaces_of_primitive(s, hit->primitive), .patch = PATCH_NONE,
                       .primitive = hit->primitive };
     surfaces_parameters(s, hit->primitive, hit->u, hit->v, &out->s, &out->t);
-    surfaces_point(s, out->surface, out->s, out->t, &at);
-    out->point = at.point;
-    out->side = vec3_dot(at.normal, direction) > 0 ? 1 : 0;
-    out->normal = out->side == 0 ? at.normal : vec3_scale(at.normal, -1);
+    surfaces_place(s, out->surface, out->s, out->t, &out->point, &normal);
+    out->side = vec3_dot(normal, direction) > 0 ? 1 : 0;
+    out->normal = out->side == 0 ? normal : vec3_scale(normal, -1);
 }
 
 static double index_of(const Material *material)

@@ -130,6 +130,9 @@ static void expect_all_at(const Shape *shape, double u, double v)
     assert_true(same(point, shape_point(shape, u, v)));
     assert_true(same(normal, shape_normal(shape, u, v)));
     assert_true(density == shape_density(shape, u, v));
+    Vec3 place, across;
+    shape_place_at(shape, u, v, &place, &across);
+    assert_true(same(place, point) && same(across, normal));
 }
 
 /* Against central differences of shape_point: h^2 times third derivatives (2 pi)^3 * size, and
