@@ -60,6 +60,29 @@ static int clip_to_horizon(Vec3 *v, int count, Vec3 n)
     return left;
 }
 
+/* atan2(sine, cosine) for sine >= 0, several times as fast: the tangent is turned back by the
+ * nearest of nine angles, and what is left, below 1/15, put into the series, whose first term left
+ * out is below 2e-15. */
+static double angle_of(double sine, double cosine)
+{
+    static const double angle[] = { 0, 0.12435499454676144, 0.24497866312686414,
+                                    0.35877067027057225, 0.4636476090008061, 0.5585993153435624,
+                                    0.6435011087932844, 0.7188299996216245, 0.7853981633974483 };
+    const double side = fabs(cosine);
+    const bool   steep = sine > side;
+    const double top = steep ? side : sine, bottom = steep ? sine : side;
+    if (!(bottom > 0))
+        return 0;
+    const int    nearest = (int)(8 * top / bottom + 0.5);
+    const double tangent = nearest / 8.0;
+    const double x = (top - tangent * bottom) / (bottom + tangent * top), xx = x * x;
+    const double rest = x * (1 + xx * (-1.0 / 3 + xx * (1.0 / 5 + xx * (-1.0 / 7 + xx *
+                        (1.0 / 9 + xx * (-1.0 / 11))))));
+    const double small = angle[nearest] + rest;
+    const double acute = steep ? PI / 2 - small : small;
+    return cosine < 0 ? PI - acute : acute;
+}
+
 double facet_irradiance(const Facet *facet, Vec3 p, Vec3 n)
 {
     Vec3 v[5];
@@ -80,7 +103,7 @@ double facet_irradiance(const Facet *facet, Vec3 p, Vec3 n)
         const Vec3   c = vec3_cross(a, b);
         const double length = vec3_length(c);
         if (length > 0)
-            sum += atan2(length, vec3_dot(a, b)) * vec3_dot(c, n) / length;
+            sum += angle_of(length, vec3_dot(a, b)) * vec3_dot(c, n) / length;
     }
     return fabs(sum) / 2;
 }
@@ -94,7 +117,7 @@ static double triangle_solid_angle(Vec3 a, Vec3 b, Vec3 c)
     const double top = fabs(vec3_dot(a, vec3_cross(b, c)));
     const double bottom = la * lb * lc + vec3_dot(a, b) * lc + vec3_dot(b, c) * la +
                           vec3_dot(c, a) * lb;
-    return 2 * atan2(top, bottom);
+    return 2 * angle_of(top, bottom);
 }
 
 static double clamp_cosine(double c) { return c < -1 ? -1 : c > 1 ? 1 : c; }

@@ -315,6 +315,12 @@ uint32_t lamp_tree_choose(const LampTree *tree, Vec3 point, Vec3 normal, double 
     return *chance > 0 ? tree->lamp[place] : LAMP_TREE_NONE;
 }
 
+double lamp_tree_most(const LampTree *tree, Vec3 point, Vec3 normal)
+{
+    bool far;
+    return bound(tree->branch, point, normal, &far);
+}
+
 double lamp_tree_chance(const LampTree *tree, Vec3 point, Vec3 normal, uint32_t k)
 {
     const LampBranch *at = tree->branch;

@@ -51,6 +51,8 @@ enum { LAMP_TREE_NONE = UINT32_MAX >> 1 };
  * *x no lamp that can light the point is found (a loose bound further up). */
 uint32_t lamp_tree_choose(const LampTree *tree, Vec3 point, Vec3 normal, double *x,
                           double *chance);
+/* The most that all its lamps together may send there, roughly: in units of irradiance. */
+double lamp_tree_most(const LampTree *tree, Vec3 point, Vec3 normal);
 /* How likely lamp k is for the same point: 0 only if it can send nothing there. */
 double lamp_tree_chance(const LampTree *tree, Vec3 point, Vec3 normal, uint32_t k);
 

@@ -6,6 +6,7 @@
 #include <float.h>
 
 #include "base/array.h"
+#include "render/lamp_faces.h"
 
 static const double PI = 3.14159265358979323846;
 
@@ -65,13 +66,40 @@ static Vec3 corner_of(const Surfaces *surfaces, uint32_t triangle, unsigned k)
     return surfaces->position[surfaces->corner[3 * (size_t)triangle + k]];
 }
 
+static Lamp lamp_on(const Lamps *lamps, uint32_t surface, unsigned side)
+{
+    const Rgb radiance = lamps_material(lamps->room, surface, side)->emission;
+    return (Lamp){ .surface = surface, .side = side, .radiance = radiance,
+                   .strength = strength_of(radiance) };
+}
+
+/* All pieces of a face. */
+static bool add_face(Lamps *lamps, const LampFaces *faces, const LampFace *face, Error *err)
+{
+    const LampPiece *piece = &faces->piece[face->begin];
+    const Lamp       lamp = lamp_on(lamps, piece->surface, piece->side);
+    const size_t     n = lamps->room->surfaces->count;
+    if (!(lamp.strength > 0))
+        return true;
+    for (uint32_t i = face->begin; i < face->end; i++)
+        lamps->first[piece->side * n + faces->piece[i].surface] = lamps->count;
+    if (face->whole)
+        return add_facet(lamps, lamp, face->corner, (int)face->corners, err);
+    const uint32_t first = lamps->count;
+    for (uint32_t i = 1; i + 1 < face->corners; i++) {
+        const Vec3 corner[3] = { face->corner[0], face->corner[i], face->corner[i + 1] };
+        if (!add_facet(lamps, lamp, corner, 3, err))
+            return false;
+    }
+    lamps->lamp[first].fan = lamps->count - first;
+    return true;
+}
+
 static bool add_surface(Lamps *lamps, uint32_t index, unsigned side, Error *err)
 {
     const Surfaces *surfaces = lamps->room->surfaces;
     const Surface  *surface = &surfaces->surface[index];
-    Lamp lamp = { .surface = index, .side = side,
-                  .radiance = lamps_material(lamps->room, index, side)->emission };
-    lamp.strength = strength_of(lamp.radiance);
+    const Lamp      lamp = lamp_on(lamps, index, side);
     if (!(lamp.strength > 0))
         return true;
     if (surface->kind == SURFACE_SHAPE)
@@ -91,6 +119,35 @@ static bool add_surface(Lamps *lamps, uint32_t index, unsigned side, Error *err)
     return add_facet(lamps, lamp, v, 3, err) && add_facet(lamps, lamp, second, 3, err);
 }
 
+/* A lamp with less of all power than this is not worth being weighed at each point. */
+static const double STRONG_SHARE = 1.0 / 128;
+
+/* Which lamps are weighed: all, or the strongest. A tree knows large lamps near by badly, as it
+ * takes all of a lamp to lie at its centre. */
+static void choose_weighed(Lamps *lamps)
+{
+    double all = 0;
+    for (uint32_t i = 0; i < lamps->count; i++)
+        all += lamps->lamp[i].strength * lamps->lamp[i].area;
+    double least = lamps->many ? STRONG_SHARE * all : -1;
+    for (;;) { /* raised until they are few enough: lamps of one strength stay together */
+        double next = INFINITY;
+        lamps->weighed_count = 0;
+        uint32_t count = 0;
+        for (uint32_t i = 0; i < lamps->count; i++) {
+            const double own = lamps->lamp[i].strength * lamps->lamp[i].area;
+            if (!(own > least))
+                continue;
+            next = fmin(next, own);
+            if (count++ < LAMPS_WEIGHED)
+                lamps->weighed[lamps->weighed_count++] = i;
+        }
+        if (!lamps->many || count <= LAMPS_STRONGEST)
+            break;
+        least = next;
+    }
+}
+
 static bool make_tree(Lamps *lamps, Error *err)
 {
     TreeLamp *item = array_create(lamps->count, sizeof *item, "lamps", err);
@@ -102,39 +159,62 @@ static bool make_tree(Lamps *lamps, Error *err)
                               .axis = lamp->facet.normal, .around = lamp->facet.count == 0,
                               .strength = lamp->strength * lamp->area };
     }
+    for (uint32_t i = 0; i < lamps->weighed_count; i++)
+        item[lamps->weighed[i]].strength = 0;
     const bool ok = lamp_tree_init(&lamps->tree, item, lamps->count, err);
     array_free(item);
     return ok;
 }
 
-static bool index_surfaces(Lamps *lamps, Error *err)
+/* Faces that were cut into pieces are one lamp, in place of their first piece. */
+static bool add_all(Lamps *lamps, Error *err)
+{
+    const Room  *room = lamps->room;
+    const size_t n = room->surfaces->count;
+    LampFaces    faces;
+    uint32_t    *whole = array_create(2 * n, sizeof *whole, "lamps", err); /* face + 1 */
+    bool         good = whole != NULL && lamp_faces_find(&faces, room, err);
+    for (uint32_t f = 0; good && f < faces.face_count; f++)
+        for (uint32_t i = faces.face[f].begin; i < faces.face[f].end; i++)
+            whole[faces.piece[i].side * n + faces.piece[i].surface] = f + 1;
+    for (uint32_t i = 0; good && i < n; i++)
+        for (unsigned side = 0; good && side < 2; side++) {
+            const size_t at = side * n + i;
+            const uint32_t before = lamps->count;
+            if ((room->emitting[i] >> side & 1) == 0 || lamps->first[at] != UINT32_MAX)
+                continue;
+            good = whole[at] == 0 ? add_surface(lamps, i, side, err)
+                                  : add_face(lamps, &faces, &faces.face[whole[at] - 1], err);
+            if (lamps->count > before && whole[at] == 0)
+                lamps->first[at] = before;
+        }
+    if (whole != NULL)
+        lamp_faces_clear(&faces);
+    array_free(whole);
+    return good;
+}
+
+static bool index_create(Lamps *lamps, Error *err)
 {
     const size_t n = lamps->room->surfaces->count;
     lamps->first = array_create(2 * n, sizeof *lamps->first, "lamps", err);
-    if (lamps->first == NULL)
-        return false;
-    for (size_t i = 0; i < 2 * n; i++)
+    for (size_t i = 0; lamps->first != NULL && i < 2 * n; i++)
         lamps->first[i] = UINT32_MAX;
-    for (uint32_t i = lamps->count; i-- > 0;)
-        lamps->first[lamps->lamp[i].side * n + lamps->lamp[i].surface] = i;
-    return true;
+    return lamps->first != NULL;
 }
 
 bool lamps_init(Lamps *lamps, const Room *room, Error *err)
 {
     *lamps = (Lamps){ .room = room, .flat = true };
-    for (uint32_t i = 0; i < room->surfaces->count; i++)
-        for (unsigned side = 0; side < 2; side++)
-            if (room->emitting[i] >> side & 1 && !add_surface(lamps, i, side, err))
-                return false;
+    if (!index_create(lamps, err) || !add_all(lamps, err))
+        return false;
     for (uint32_t i = 0; i < lamps->count; i++)
         lamps->flat = lamps->flat && lamps->lamp[i].facet.count > 0;
     lamps->many = lamps->count > LAMPS_WEIGHED;
     lamps->shared = lamps->many || !lamps->flat;
     lamps->flat = lamps->flat && !lamps->many;
-    if (lamps->many && !make_tree(lamps, err))
-        return false;
-    return index_surfaces(lamps, err);
+    choose_weighed(lamps);
+    return !lamps->many || make_tree(lamps, err);
 }
 
 void lamps_clear(Lamps *lamps)
@@ -169,14 +249,22 @@ static double lamp_weight(const Lamps *lamps, const Lamp *lamp, const Receiver *
     return lamp->strength * facet_irradiance(&lamp->facet, at->point, at->normal);
 }
 
-/* Fills weight[0..count] with the weights' running sums; the last is their total. */
-static double weigh(const Lamps *lamps, const Receiver *at, double *below)
+/* What lamps send to a receiver, to choose among them. */
+typedef struct {
+    double below[LAMPS_WEIGHED + 1]; /* running sums of those that are weighed */
+    double all;                      /* with what the others may send */
+} Weights;
+
+static void weigh(const Lamps *lamps, const Receiver *at, Weights *w)
 {
-    assert(lamps->count <= LAMPS_WEIGHED);
-    below[0] = 0;
-    for (uint32_t i = 0; i < lamps->count; i++)
-        below[i + 1] = below[i] + lamp_weight(lamps, &lamps->lamp[i], at);
-    return below[lamps->count];
+    const uint32_t n = lamps->weighed_count;
+    w->below[0] = 0;
+    for (uint32_t i = 0; i < n; i++)
+        w->below[i + 1] = w->below[i] +
+                          lamp_weight(lamps, &lamps->lamp[lamps->weighed[i]], at);
+    w->all = w->below[n];
+    if (lamps->many)
+        w->all += lamp_tree_most(&lamps->tree, at->point, at->normal);
 }
 
 /* Finds i with below[i] <= x < below[i + 1] and moves x to its place between them, 0..1. */
@@ -196,6 +284,24 @@ static uint32_t pick(const double *below, uint32_t count, double *x)
     const double width = below[lo + 1] - below[lo];
     *x = width > 0 ? fmin(fmax((*x - below[lo]) / width, 0), 1 - DBL_EPSILON) : 0;
     return lo;
+}
+
+/* Chooses a lamp by *x, as lamp_tree_choose does. */
+static uint32_t choose(const Lamps *lamps, const Receiver *at, const Weights *w, double *x,
+                       double *chance)
+{
+    const uint32_t n = lamps->weighed_count;
+    const double   known = w->below[n], place = *x * w->all;
+    if (!lamps->many || (n > 0 && place < known)) {
+        *x = place;
+        const uint32_t i = pick(w->below, n, x);
+        *chance = (w->below[i + 1] - w->below[i]) / w->all;
+        return lamps->weighed[i];
+    }
+    *x = fmin(fmax((place - known) / (w->all - known), 0), 1 - DBL_EPSILON);
+    const uint32_t k = lamp_tree_choose(&lamps->tree, at->point, at->normal, x, chance);
+    *chance *= (w->all - known) / w->all;
+    return k;
 }
 
 /* --- samples --------------------------------------------------------------------------------- */
@@ -236,18 +342,12 @@ static double balance(const LampPlan *plan, double spread, double cosine)
 bool lamps_sample(const Lamps *lamps, const Receiver *at, const LampPlan *plan, double a, double b,
                   LampSample *out)
 {
-    double   below[LAMPS_WEIGHED + 1], x = a, chance = 0;
-    uint32_t k = LAMP_TREE_NONE;
-    const double total = lamps->many ? 1 : weigh(lamps, at, below);
-    if (lamps->count == 0 || !(total > 0))
+    Weights w;
+    double  x = a, chance = 0;
+    weigh(lamps, at, &w);
+    if (!(w.all > 0))
         return false;
-    if (lamps->many) {
-        k = lamp_tree_choose(&lamps->tree, at->point, at->normal, &x, &chance);
-    } else {
-        x *= total;
-        k = pick(below, lamps->count, &x);
-        chance = (below[k + 1] - below[k]) / total;
-    }
+    const uint32_t k = choose(lamps, at, &w, &x, &chance);
     *out = (LampSample){ .point = at->point, .normal = at->normal, /* a lamp seen from behind */
                          .lamp = k == LAMP_TREE_NONE ? LAMP_NONE : k };
     out->value = out->control = rgb(0, 0, 0);
@@ -269,10 +369,10 @@ bool lamps_sample(const Lamps *lamps, const Receiver *at, const LampPlan *plan, 
         out->control = rgb(0, 0, 0);
         for (uint32_t i = 0; i < lamps->count; i++)
             out->control =
-                rgb_mad(out->control, (below[i + 1] - below[i]) / lamps->lamp[i].strength,
+                rgb_mad(out->control, (w.below[i + 1] - w.below[i]) / lamps->lamp[i].strength,
                         lamps->lamp[i].radiance);
     } else if (!lamps->many && lamp->facet.count > 0) {
-        out->control = rgb_scale(lamp->radiance, total / lamp->strength);
+        out->control = rgb_scale(lamp->radiance, w.all / lamp->strength);
     }
     return true;
 }
@@ -284,13 +384,43 @@ Rgb lamps_control(const Lamps *lamps, uint32_t k, const Receiver *at)
     return rgb_scale(lamp->radiance, lamp_weight(lamps, lamp, at) / lamp->strength);
 }
 
-/* The lamp a hit belongs to: a bent quad has two, told apart by the primitive. */
+/* How far a point lies inside a triangle: the least of its three heights over the edges, each
+ * relative to the edge's length. */
+static double depth_in(const Facet *facet, Vec3 p)
+{
+    double least = INFINITY;
+    for (int i = 0; i < 3; i++) {
+        const Vec3 a = facet->corner[i], e = vec3_sub(facet->corner[(i + 1) % 3], a);
+        const Vec3 across = vec3_cross(facet->normal, vec3_unit(e));
+        least = fmin(least, vec3_dot(across, vec3_sub(p, a)));
+    }
+    return least;
+}
+
+static uint32_t lamp_of_fan(const Lamps *lamps, uint32_t first, Vec3 p)
+{
+    uint32_t deepest = first;
+    double   most = -INFINITY;
+    for (uint32_t k = first; k < first + lamps->lamp[first].fan; k++) {
+        const double depth = depth_in(&lamps->lamp[k].facet, p);
+        if (depth > most) {
+            most = depth;
+            deepest = k;
+        }
+    }
+    return deepest;
+}
+
+/* The lamp a hit belongs to: a bent quad has two, told apart by the primitive, a face of many
+ * corners a fan of them. */
 static uint32_t lamp_of(const Lamps *lamps, const RoomHit *hit)
 {
     const Surfaces *surfaces = lamps->room->surfaces;
     const uint32_t  k = lamps->first[hit->side * (size_t)surfaces->count + hit->surface];
     if (k == UINT32_MAX || lamps->lamp[k].facet.count != 3)
         return k;
+    if (lamps->lamp[k].fan > 0)
+        return lamp_of_fan(lamps, k, hit->point);
     const bool second = hit->primitive != surfaces->surface[hit->surface].primitive;
     const bool follows = k + 1 < lamps->count && lamps->lamp[k + 1].surface == hit->surface &&
                          lamps->lamp[k + 1].side == hit->side;
@@ -300,11 +430,17 @@ static uint32_t lamp_of(const Lamps *lamps, const RoomHit *hit)
 /* Chance that a lamp sample at the receiver goes to lamp k. */
 static double chance_of(const Lamps *lamps, const Receiver *at, uint32_t k)
 {
-    double below[LAMPS_WEIGHED + 1];
-    if (lamps->many)
-        return lamp_tree_chance(&lamps->tree, at->point, at->normal, k);
-    const double total = weigh(lamps, at, below);
-    return total > 0 ? (below[k + 1] - below[k]) / total : 0;
+    Weights  w;
+    uint32_t i = 0;
+    weigh(lamps, at, &w);
+    if (!(w.all > 0))
+        return 0;
+    while (i < lamps->weighed_count && lamps->weighed[i] < k)
+        i++;
+    if (i < lamps->weighed_count && lamps->weighed[i] == k)
+        return (w.below[i + 1] - w.below[i]) / w.all;
+    const double rest = w.all - w.below[lamps->weighed_count];
+    return rest / w.all * lamp_tree_chance(&lamps->tree, at->point, at->normal, k);
 }
 
 /* 1 / density with which lamp_point would have found the hit; 0: never. */
@@ -340,21 +476,15 @@ double lamps_share(const Lamps *lamps, const Receiver *at, const LampPlan *plan,
 bool lamps_aim(const Lamps *lamps, const Receiver *at, double a, double b, LampSample *out,
                Rgb *radiance, double *density)
 {
-    double   below[LAMPS_WEIGHED + 1], x = a, chance = 0;
-    uint32_t k;
+    Weights w;
+    double  x = a, chance = 0;
     assert(lamps->count > 0);
-    if (lamps->many) {
-        k = lamp_tree_choose(&lamps->tree, at->point, at->normal, &x, &chance);
-        if (k == LAMP_TREE_NONE)
-            return false;
-    } else {
-        const double total = weigh(lamps, at, below);
-        if (!(total > 0))
-            return false;
-        x *= total;
-        k = pick(below, lamps->count, &x);
-        chance = (below[k + 1] - below[k]) / total;
-    }
+    weigh(lamps, at, &w);
+    if (!(w.all > 0))
+        return false;
+    const uint32_t k = choose(lamps, at, &w, &x, &chance);
+    if (k == LAMP_TREE_NONE)
+        return false;
     *out = (LampSample){ .lamp = k };
     const double spread = lamp_point(lamps, &lamps->lamp[k], at, x, b, out);
     *radiance = lamps->lamp[k].radiance;

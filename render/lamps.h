@@ -4,7 +4,8 @@
  * A lamp is a flat facet or a curved surface, one side of it. With few lamps each receiving point
  * weighs them by what they would send there if nothing were in the way: for facets that is exact
  * (Lambert's formula), so one sample of one lamp, times the exact sum, has no noise where all is
- * lit or all is dark. Many lamps are chosen by a tree of them (render/lamp_tree.h); then, and for
+ * lit or all is dark. Of many lamps the strongest few are weighed so, the rest together by what
+ * they may send, and one of these is chosen by a tree of them (render/lamp_tree.h); then, and for
  * curved lamps always, hemisphere rays that hit a lamp count too, by multiple importance sampling
  * [veach95].
  * Threads  never changes once made.
@@ -24,13 +25,14 @@ static inline const Material *lamps_material(const Room *room, uint32_t surface,
     return &room->materials[side == 0 ? s->material : s->back_material];
 }
 
-/* Up to so many lamps are weighed at each point; more are chosen by the tree. */
-enum { LAMPS_WEIGHED = 64 };
+/* Up to so many lamps are weighed at each point; of more, so many of the strongest at most. */
+enum { LAMPS_WEIGHED = 64, LAMPS_STRONGEST = 16 };
 
 typedef struct {
     Facet    facet;    /* count 0: curved */
-    uint32_t surface;
+    uint32_t surface;  /* a piece of it */
     unsigned side;
+    uint32_t fan;      /* > 0: this and the lamps behind it, so many in all, are one face */
     Rgb      radiance;
     double   strength; /* luminance of the radiance; for a colour without any: its largest band */
     double   area;
@@ -42,7 +44,9 @@ typedef struct {
     const Room *room;
     Lamp       *lamp;    /* [count] */
     uint32_t    count, capacity;
-    LampTree    tree;
+    uint32_t    weighed[LAMPS_WEIGHED]; /* [weighed_count]  lamps, their numbers rising */
+    uint32_t    weighed_count;
+    LampTree    tree;    /* of the others */
     bool        many;    /* more than LAMPS_WEIGHED: the tree is there */
     uint32_t   *first;   /* [2 * surfaces->count]  side * count + surface -> its first lamp, the
                             others follow; or UINT32_MAX */
