@@ -314,6 +314,9 @@ static bool unknown_option(const char *name, Command command, Error *err)
                      command_name(command));
 }
 
+/* More stops than floats have powers of two: black is black and white is white long before. */
+static const double EXPOSURE_MOST = 300;
+
 static bool wrong_value(const OptionRow *row, const char *text, Error *err)
 {
     if (row->kind == KIND_SET)
@@ -333,7 +336,7 @@ static bool wrong_value(const OptionRow *row, const char *text, Error *err)
         [KIND_RANGE] = "two numbers, the lower first, like 0,500",
         [KIND_BOX] = "left,top,right,bottom in whole pixels like 100,50,300,200",
         [KIND_TEXTS] = "one of at most 64",
-        [KIND_EXPOSURE] = "a number of stops or auto",
+        [KIND_EXPOSURE] = "a number of stops from -300 to 300, or auto",
         [KIND_SHARE] = "a share like 1% or 0.01, above 0 and not above 1",
     };
     assert((size_t)row->kind < sizeof forms / sizeof *forms && forms[row->kind] != NULL);
@@ -420,7 +423,8 @@ static bool store_value(Options *options, const OptionRow *row, const char *text
         break;
     case KIND_EXPOSURE:
         options->exposure_set = strcmp(text, "auto") != 0;
-        good = !options->exposure_set || value_number(text, field);
+        good = !options->exposure_set ||
+               (value_number(text, field) && fabs(*(const double *)field) <= EXPOSURE_MOST);
         break;
     }
     return good || wrong_value(row, text, err);

@@ -173,10 +173,13 @@ static bool renderer_reads(const Options *options, Error *err)
     if (options->renderer == RENDERER_WHITTED && options->diffuse)
         return error_set(err, ERROR_USAGE, "--renderer whitted is about mirrors and glass; "
                          "--diffuse leaves them out");
+    value_word(options_table()[OPTION_RENDERER].words, options->renderer, word, sizeof word);
+    if (options->false_colour == FILM_ILLUMINANCE)
+        return error_set(err, ERROR_USAGE, "--false-colour illuminance is of a solution; "
+                         "--renderer %s makes none", word);
     for (size_t i = 0; i < sizeof of_solutions / sizeof *of_solutions; i++) {
         if (!options_given(options, of_solutions[i]))
             continue;
-        value_word(options_table()[OPTION_RENDERER].words, options->renderer, word, sizeof word);
         return error_set(err, ERROR_USAGE, "%s is of a solution; --renderer %s makes none",
                          options_table()[of_solutions[i]].name, word);
     }

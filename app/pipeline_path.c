@@ -15,7 +15,7 @@ static Image *whitted(Pipeline *pipeline, Error *err)
     const double *crop = options->crop, begin = progress_now();
     WhittedReport report;
     const WhittedOptions wo = { .width = pipeline->width, .height = pipeline->height,
-                                .samples = session->hurry ? 1 : options->spp,
+                                .samples = session->hurry ? 1 : session->settings.spp,
                                 .depth = options->depth,
                                 .background = pipeline->scene->background,
                                 .ambient = pipeline->scene->ambient,
@@ -26,7 +26,7 @@ static Image *whitted(Pipeline *pipeline, Error *err)
                                 .threads = session->settings.threads };
     Image *image = render_whitted(&pipeline->room, &pipeline->camera, &wo, &report,
                                   &session->monitor, err);
-    session->settings.spp = wo.samples > 0 ? wo.samples : 1;
+    pipeline->render.samples = wo.samples;
     pipeline->render.rays = report.rays;
     pipeline->render.seconds = report.seconds;
     pipeline->render.rough = report.rough;

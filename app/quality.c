@@ -147,6 +147,8 @@ Settings quality_settings(const Options *options)
         s.tolerance = options->tolerance;
     if (options->spp > 0)
         s.spp = options->spp;
+    else if (options->renderer == RENDERER_WHITTED)
+        s.spp = 1; /* through the pixels' centres */
     if (options->gather_rays > 0)
         s.gather_rays = options->gather_rays;
     picture_settings(options, &s);

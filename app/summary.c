@@ -342,7 +342,7 @@ static void put_render(Json *json, const Pipeline *pipeline)
     } else {
         const bool plain = pipeline->session->options.renderer == RENDERER_WHITTED;
         json_text(json, "renderer", plain ? "whitted" : "gather");
-        json_number(json, "samples_per_pixel", plain ? settings->spp : pipeline->render.samples);
+        json_number(json, "samples_per_pixel", pipeline->render.samples);
         json_count(json, "gather_rays", settings->gather_rays);
         json_count(json, "record_rays", settings->record_rays);
         if (settings->error > 0) {

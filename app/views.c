@@ -50,8 +50,6 @@ void views_note(const Pipeline *pipeline, PictureReport *p)
     p->width = pipeline->width;
     p->height = pipeline->height;
     p->samples = paths ? pipeline->path.samples : pipeline->render.samples;
-    if (pipeline->session->options.renderer == RENDERER_WHITTED)
-        p->samples = pipeline->session->settings.spp;
     p->error = paths ? pipeline->path.error : pipeline->render.error;
     p->records_error = pipeline->render.records_error;
     p->exposure = pipeline->exposure;

@@ -105,12 +105,16 @@ static void put_legend(Canvas *canvas, const char *label)
         put_box(canvas, left, y, left + z * BAR, y + 1, rgb);
     }
     const int n = tick_texts(canvas->scale, text, ticks);
+    int       free = canvas->height; /* letters stand above it */
     for (int k = 0; k < n; k++) {
         const double place = false_colour_place(canvas->scale, ticks[k]);
         const int y = bottom - (int)lround(place * (bottom - top));
         put_box(canvas, left + z * (BAR - 4), y, left + z * BAR, y + 1, white);
-        /* The font's digits are 7 high, 1 below the top. */
+        /* The font's digits are 7 high, 1 below the top; in small pictures some find no room. */
+        if (y + 4 * z > free)
+            continue;
         put_text(canvas, left + z * (BAR + GAP / 2), y - 4 * z, text[k]);
+        free = y - 4 * z;
     }
 }
 

@@ -15,6 +15,12 @@ typedef enum { FILTER_BOX, FILTER_TENT, FILTER_GAUSS, FILTER_BLACKMAN_HARRIS } P
 
 enum { IMAGE_NAME = 64 };
 
+/* Layers that some renderers leave empty. */
+enum {
+    IMAGE_DIRECT = 1, IMAGE_INDIRECT = 2, IMAGE_ALBEDO = 4, IMAGE_IRRADIANCE = 8, IMAGE_NORMAL = 16,
+    IMAGE_PATCH = 32
+};
+
 typedef struct {
     int    width, height;
     int    left, top;           /* of a part: its place in the whole picture; else 0 */
@@ -27,6 +33,7 @@ typedef struct {
     float *normal;      /* [3 * ..]  unit, world, towards the eye; 0: background */
     float *depth;       /* [..]  distance from the eye, INFINITY: background */
     uint32_t *patch;    /* [..]  patch seen at the pixel's centre, UINT32_MAX: none */
+    unsigned empty;     /* IMAGE_...: nobody filled these; files leave them out */
     float *deviation;   /* [..]  standard error of the radiance's luminance; NULL: not estimated */
     uint32_t group_count; /* layers of light by groups of lamps, whose sum is the radiance */
     char  (*group_name)[IMAGE_NAME]; /* [group_count]  letters, digits, '-', '_' */

@@ -132,6 +132,8 @@ static bool channels_list(const Image *image, Channels *list, Error *err)
     };
     const float *const layers[6] = { image->radiance, image->direct,     image->indirect,
                                      image->albedo,   image->irradiance, image->normal };
+    static const unsigned bits[6] = { 0, IMAGE_DIRECT, IMAGE_INDIRECT, IMAGE_ALBEDO,
+                                      IMAGE_IRRADIANCE, IMAGE_NORMAL };
     const size_t most = CHANNELS_USUAL + 3 * (size_t)image->group_count;
     *list = (Channels){ 0 };
     list->channel = array_create(most, sizeof *list->channel, "EXR", err);
@@ -140,10 +142,11 @@ static bool channels_list(const Image *image, Channels *list, Error *err)
         return false;
     int n = 0;
     for (int layer = 0; layer < 6; layer++)
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3 && (image->empty & bits[layer]) == 0; k++)
             list->channel[n++] = (Channel){ names[layer][k], layers[layer] + k, 3, false };
     list->channel[n++] = (Channel){ "depth.Z", image->depth, 1, false };
-    list->channel[n++] = (Channel){ "patch.ID", image->patch, 1, true };
+    if ((image->empty & IMAGE_PATCH) == 0)
+        list->channel[n++] = (Channel){ "patch.ID", image->patch, 1, true };
     if (image->deviation != NULL)
         list->channel[n++] = (Channel){ "deviation.Y", image->deviation, 1, false };
     assert(n <= CHANNELS_USUAL);

@@ -338,6 +338,7 @@ static bool picture_prepare(Picture *picture, Error *err)
     picture->image = image_create_part(o->width, o->height, o->crop, err);
     if (picture->image == NULL || !image_add_deviation(picture->image, err))
         return false;
+    picture->image->empty = IMAGE_IRRADIANCE | IMAGE_PATCH;
     picture->tiles_x = ((uint32_t)picture->image->width + TILE - 1) / TILE;
     picture->tiles = picture->tiles_x * (((uint32_t)picture->image->height + TILE - 1) / TILE);
     picture->pixel = array_create((size_t)picture->image->width * (size_t)picture->image->height,

@@ -306,6 +306,9 @@ static bool picture_prepare(Picture *picture, const Camera *camera, Error *err)
     o->threads = parallel_threads(o->threads);
     assert(o->depth <= WHITTED_DEPTH_MOST);
     picture->image = image_create_part(o->width, o->height, o->crop, err);
+    if (picture->image != NULL)
+        picture->image->empty = IMAGE_DIRECT | IMAGE_INDIRECT | IMAGE_ALBEDO | IMAGE_IRRADIANCE |
+                                IMAGE_NORMAL | IMAGE_PATCH;
     picture->worker = array_create(o->threads, sizeof *picture->worker, "picture", err);
     for (unsigned i = 0; i < o->threads && !error_is_set(err); i++)
         picture->worker[i].branch = array_create(((size_t)o->depth + 2) * 2 * BATCH,

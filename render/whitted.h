@@ -35,7 +35,7 @@ typedef struct {
 
 enum { WHITTED_DEPTH_MOST = 64 };
 
-/* room->patches may be NULL. The image has its layers radiance and depth filled.
+/* room->patches may be NULL. The image has its layers radiance and depth filled, others `empty`.
  * fails  NULL; ERROR_MEMORY. Stopped by the monitor: what there is, the rest made with a ray a
  *        pixel at most, and *err ERROR_STOPPED. */
 Image *render_whitted(const Room *room, const Camera *camera, const WhittedOptions *options,

@@ -109,6 +109,22 @@ static const uint8_t *pixel(const uint8_t *pixels, int width, int x, int y)
     return pixels + 3 * ((size_t)y * (size_t)width + (size_t)x);
 }
 
+/* Runs of rows with letters right of the legend's bar, below its unit. */
+static int labels(const uint8_t *pixels, int width, int height, int picture)
+{
+    enum { UNIT = 22, BAR = 8 + 20 }; /* rows that the unit takes; columns up to the bar's end */
+    int  runs = 0;
+    bool before = false;
+    for (int y = UNIT; y < height; y++) {
+        bool here = false;
+        for (int x = picture + BAR; x < width; x++)
+            here = here || pixel(pixels, width, x, y)[0] == 235;
+        runs += here && !before;
+        before = here;
+    }
+    return runs;
+}
+
 /* A ramp from left to right: its colours stand where the scale says, an isoline crosses where the
  * legend's middle value is, what is nowhere is grey, and the legend is beside it. */
 static void picture_shows_values_lines_and_legend(void **state)
@@ -146,6 +162,8 @@ static void picture_shows_values_lines_and_legend(void **state)
             white += pixel(pixels, width, x, y)[0] == 235;
     assert_int_equal(black, 1);
     assert_true(white > 100); /* letters */
+    /* A bar of 24 rows has room for three numbers of 7 rows and gaps, not for six. */
+    assert_int_equal(labels(pixels, width, H, W), 3);
     free(pixels);
     unlink(path);
     assert_false(false_colour_write(values, W, H, &scale, "lux", NULL, "/nonexistent/x.png", &err));

@@ -33,6 +33,8 @@ ok "same paths" cmp "$DIR/p1.exr" "$DIR/p3.exr"
 ok "plain rays" exits 0 render "$cube" -o "$DIR/w.exr" --renderer whitted --depth 2 \
     --light ceiling "${view[@]}"
 ok "their frame's time" grep -q 'frame .* ms' "$DIR/err"
+ok "no light is told apart" fails 3 'no channel irradiance' develop "$DIR/w.exr" \
+    --false-colour illuminance
 ok "paths tell their error" grep -q '"standard_error": [0-9]' "$DIR/p.json"
 ok "another seed, another picture" exits 0 render "$cube" -o "$DIR/s.exr" "${fast[@]}" \
     "${view[@]}" --seed 7

@@ -40,6 +40,9 @@ ok "false colours of the mean" test -s "$DIR/e.luminance.png"
 ok "any number of threads" exits 0 render "$lamp" "${fast[@]}" --camera fixed --shutter 0,0.5 \
     --time-samples 3 -o "$DIR/f.exr" --false-colour luminance --light-groups --threads 1
 ok "any number of threads: same bytes" cmp "$DIR/e.exr" "$DIR/f.exr"
+ok "plain rays" exits 0 render "$lamp" --renderer whitted --camera fixed --size 48x36 --spp 6 \
+    --shutter 0,0.5 --time-samples 3 -o "$DIR/w.exr" --json "$DIR/w.json"
+ok "each moment has its share of them" says "$DIR/w.json" '"samples_per_pixel":6.0,'
 ok "solve at a time" exits 0 solve "$lamp" --patches 100 --rays 16 --progress none --time 0.3 \
     -o "$DIR/g.ply"
 ok "solve at another" exits 0 solve "$lamp" --patches 100 --rays 16 --progress none --time 0.6 \

@@ -40,6 +40,9 @@ ok "paths keep no tiles" fails 2 'renderer path makes none' render "$cube" --ren
     --checkpoint 5s
 ok "depth of another renderer" fails 2 'belongs to --renderer whitted' render "$cube" --depth 3
 ok "a solver for paths" fails 2 'path makes none' render "$cube" --renderer path --solver cg
+ok "illuminance of plain rays" fails 2 'whitted makes none' render "$cube" --renderer whitted \
+    --false-colour illuminance
+ok "stops without end" fails 2 'from -300 to 300' render "$cube" --exposure 1e9
 ok "patches for plain rays" fails 2 'whitted makes none' render "$cube" --renderer whitted --adapt
 ok "two errors of paths" fails 2 'one error' render "$cube" --renderer path --error 1% --accuracy 1
 ok "a share" fails 2 'not a share like 1%' render "$cube" --error 200%
