@@ -9,7 +9,7 @@
 enum {
     FEW_RAYS = 64,        /* of a patch, where links are cast for this and direct light alone */
     PATCH_BYTES = 2048,   /* that points and pieces of a patch take, and such links */
-    PATCHES_MOST = 250000 /* half a gigabyte of that, and some ten seconds */
+    PATCHES_MOST = 250000 /* half a gigabyte of that, and half a minute */
 };
 
 typedef struct {
