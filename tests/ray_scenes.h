@@ -17,8 +17,10 @@
 #include "base/array.h"
 #include "raycast/internal.h"
 
-#if defined(__SANITIZE_ADDRESS__) || defined(ISOLUX_SCALAR) || !defined(__OPTIMIZE__)
-#define SLOWER 20u /* fewer rays where each takes longer */
+#if defined(ISOLUX_MEMCHECK)
+#define SLOWER 100u /* fewer rays where each takes longer */
+#elif defined(__SANITIZE_ADDRESS__) || defined(ISOLUX_SCALAR) || !defined(__OPTIMIZE__)
+#define SLOWER 20u
 #else
 #define SLOWER 1u
 #endif
@@ -296,7 +298,7 @@ static inline Ray random_ray(const Scene *s, Random *r, Vec3 centre, double reac
 static inline void compare_scene(const Scene *s, uint32_t rays, Vec3 centre, double reach,
                                  uint64_t seed)
 {
-    enum { MANY = 5000 };
+    enum { MANY = SLOWER > 20 ? 500 : 5000 };
     Trees trees = trees_create(&s->in);
     Random r = { seed };
     Ray *many = calloc(MANY, sizeof *many);

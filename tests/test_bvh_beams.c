@@ -5,7 +5,7 @@
 #ifdef BEAMS_MORE /* for a long search by hand */
 enum { BEAMS = 400 * BEAMS_MORE };
 #else
-enum { BEAMS = 400 / (SLOWER > 1 ? 8 : 1) };
+enum { BEAMS = 400 / (SLOWER > 20 ? 40 : SLOWER > 1 ? 8 : 1) };
 #endif
 enum { BEAM = 64 };
 

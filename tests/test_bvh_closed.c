@@ -9,7 +9,7 @@
 static void beams_agree(void **state)
 {
     (void)state;
-    enum { BEAM = 50, BEAMS = 400 / (SLOWER > 1 ? 4 : 1) };
+    enum { BEAM = 50, BEAMS = 400 / (SLOWER > 20 ? 40 : SLOWER > 1 ? 4 : 1) };
     static const double width[] = { 0, 1e-4, 0.02, 0.3 };
     for (int scene = 0; scene < 3; scene++) {
         Scene *s = scene == 0 ? room_create() : scene == 1 ? soup_create(4000, 0.1, 3)
