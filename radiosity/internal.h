@@ -91,7 +91,7 @@ typedef struct {
 /* Seeds of what is sampled here differ by these, so that no two use the same points. */
 enum { SEED_ROWS = 0x726f7773, SEED_LAMPS = 0x6c616d70, SEED_LIGHTS = 0x6c697465,
        SEED_SIDES = 0x73696465, SEED_PARTS = 0x70617274, SEED_ADAPT = 0x61647074,
-       SEED_MIRRORS = 0x6d697272,
+       SEED_MIRRORS = 0x6d697272, SEED_POCKETS = 0x706f636b,
        SEED_GROUPS = 0x67727073,
        SEED_POINTS = 0x706f696e,
        SEED_CLUSTERS = 0x636c7573, SEED_CLUSTERS_AGAIN = 0x636c6167,

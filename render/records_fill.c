@@ -74,6 +74,10 @@ static void find_slant(Vec3 view, Place *place)
     place->slant = 1 / fmin(fmax(cosine, 1 / SLANT_MOST), 1);
 }
 
+/* Where in a pixel is looked. Not in its middle: views of rooms are often symmetric, and would put
+ * middles on the very edge of two walls, half of whose rays leave the room. */
+static const double LOOK_X = 0.382, LOOK_Y = 0.573;
+
 /* What pixel (x, y) shows, if that receives light and no record serves it; or if one does, where
  * records are checked. */
 static bool look_at(const Fill *fill, int x, int y, Place *place)
@@ -83,7 +87,7 @@ static bool look_at(const Fill *fill, int x, int y, Place *place)
     Hit     h;
     RoomHit hit;
     Recorded recorded;
-    if (!camera_rays_at(fill->camera, x + 0.5, y + 0.5, NULL, &o, &d))
+    if (!camera_rays_at(fill->camera, x + LOOK_X, y + LOOK_Y, NULL, &o, &d))
         return false;
     const Ray ray = { .ox = (float)o.x, .oy = (float)o.y, .oz = (float)o.z, .t_min = 0,
                       .dx = (float)d.x, .dy = (float)d.y, .dz = (float)d.z, .t_max = INFINITY };
