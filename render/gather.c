@@ -176,6 +176,7 @@ void gather_irradiance(const Gatherer *gatherer, Vec3 point, Vec3 normal, uint32
     Wave           wave;
     Guides         guides;
     wave.gatherer = gatherer;
+    wave.caustics = NULL;
     wave.rays = 0;
     *out = (Irradiance){ 0 };
     guides_train(&guides, &wave, &at, &(double){ gatherer->room->patches->size }, 1, rays,

@@ -23,10 +23,11 @@
 enum { TILE = REFINE_TILE, RAYS_MAX = 1 << 20 };
 static_assert(TILE * TILE <= GUIDES_POINTS,
               "the centres of a tile are what guides are trained for");
-enum { SEED_MEAN = 500 };
+enum { SEED_MEAN = 500, SEED_PHOTONS };
 
 typedef struct {
     const Gatherer      *gatherer;
+    Caustics            *caustics;  /* NULL: none */
     const RenderOptions *options; /* defaults filled in */
     CameraRays           camera;
     FilterTable          filter;
@@ -234,6 +235,7 @@ static bool workers_create(Render *render, Error *err)
     for (unsigned i = 0; i < n && !error_is_set(err); i++) {
         Eye *eye = &render->worker[i].eye;
         eye->gatherer = eye->wave.gatherer = g;
+        eye->wave.caustics = render->caustics;
         eye->options = render->options;
         eye->camera = &render->camera;
         eye->filter = &render->filter;
@@ -384,7 +386,27 @@ static RecordsWish wish_of(const Render *render)
     const RenderOptions *o = render->options;
     return (RecordsWish){ .width = render->image->width, .height = render->image->height,
                           .rays = o->record_rays, .clear = !o->diffuse_only,
-                          .seed = o->seed, .threads = o->threads };
+                          .seed = o->seed, .threads = o->threads,
+                          .caustics = render->caustics };
+}
+
+/* Rays from lamps for each pixel of the whole picture, and how many in all. */
+enum { PHOTONS_EACH = 16, PHOTONS_LEAST = 1 << 16, PHOTONS_MOST = 1 << 22 };
+
+/* Light that mirrors and bent glass throw. */
+static bool trace_caustics(Render *render, uint64_t *rays, Error *err)
+{
+    const RenderOptions *o = render->options;
+    const Gatherer      *g = render->gatherer;
+    const double pixels = (double)o->width * o->height * PHOTONS_EACH;
+    const CausticsWish wish = {
+        .photons = (uint32_t)fmin(fmax(pixels, PHOTONS_LEAST), PHOTONS_MOST),
+        .seed = sampling_seed(o->seed, SEED_PHOTONS, 0, 0), .threads = o->threads
+    };
+    if (!o->diffuse_only && g->clear && g->room->mirrors &&
+        (g->split == NULL || g->split->count < RECORDS_GROUPS_MOST))
+        render->caustics = caustics_create(g, &wish, rays, render->monitor, err);
+    return !error_is_set(err);
 }
 
 /* What reading between records does to the picture, where its error is asked for. */
@@ -419,7 +441,8 @@ static bool prepare(Render *render, RenderReport *report, Error *err)
     if (o->whole)
         render->known = array_create((size_t)render->image->width * (size_t)render->image->height,
                                      1, "picture", err);
-    if (!workers_create(render, err) || !fill_records(render, &report->rays, err))
+    if (!trace_caustics(render, &report->rays, err) || !workers_create(render, err) ||
+        !fill_records(render, &report->rays, err))
         return false;
     if (o->error > 0 &&
         (!image_add_deviation(render->image, err) || !find_mean(render, report, err) ||
@@ -467,6 +490,7 @@ static void render_run(Render *render, RenderReport *report, Error *err)
         kept_tiles_end(o->kept);
     report->seconds = seconds_now() - start;
     workers_destroy(render);
+    caustics_destroy(render->caustics);
     array_free(render->rays);
     array_free(render->samples);
     array_free(render->known);
@@ -524,7 +548,9 @@ bool render_records(const Gatherer *gatherer, const Camera *camera, const Render
     Render              render;
     uint64_t            rays = 0;
     render_init(&render, gatherer, camera, &o, monitor, err);
-    const bool filled = render.image != NULL && fill_records(&render, &rays, err);
+    const bool filled = render.image != NULL && trace_caustics(&render, &rays, err) &&
+                        fill_records(&render, &rays, err);
+    caustics_destroy(render.caustics);
     image_destroy(render.image);
     return filled;
 }

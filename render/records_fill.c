@@ -312,8 +312,10 @@ static void begin_fill(Fill *fill, RecordsWish *w, Error *err)
     assert(w->width > 0 && w->height > 0);
     w->threads = parallel_threads(w->threads);
     fill->wave = array_create(w->threads, sizeof *fill->wave, "records", err);
-    for (unsigned i = 0; fill->wave != NULL && i < w->threads; i++)
+    for (unsigned i = 0; fill->wave != NULL && i < w->threads; i++) {
         fill->wave[i].gatherer = fill->gatherer;
+        fill->wave[i].caustics = w->caustics;
+    }
 }
 
 bool records_fill(Records *records, const Gatherer *gatherer, const CameraRays *camera,

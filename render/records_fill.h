@@ -4,6 +4,7 @@
 #define RENDER_RECORDS_FILL_H
 
 #include "base/monitor.h"
+#include "render/caustics.h"
 #include "render/gather.h"
 #include "render/internal.h"
 #include "render/records.h"
@@ -15,6 +16,7 @@ typedef struct {
     bool     clear;          /* light passes through glass */
     uint32_t seed;
     unsigned threads;
+    const Caustics *caustics; /* light that is not theirs; NULL: none */
 } RecordsWish;
 
 /* Adds records until those of the view are near enough to each other, coarse grids of pixels first,

@@ -13,6 +13,7 @@
 #include "radiosity/visible.h"
 #include "render/clear.h"
 #include "render/normals.h"
+#include "render/records.h"
 #include "render/specular.h"
 #include "render/split.h"
 
@@ -226,6 +227,40 @@ static void receive_images(Wave *wave, unsigned level, uint32_t count, const Wav
             add_image(wave, level, e, rays, plane, options, lights);
 }
 
+/* Points so near to one that was read, in shares of the circle that its photons lie in, get the
+ * same light: a shift by that much is far less than the circle blurs. */
+static const double SAME_SHARE = 1.0 / 8;
+
+static bool is_same(const Receiver *a, const Receiver *b, double within)
+{
+    const Vec3 d = vec3_sub(a->point, b->point);
+    return vec3_dot(d, d) < within * within && a->face.x == b->face.x && a->face.y == b->face.y &&
+           a->face.z == b->face.z;
+}
+
+/* Light that photons bring. */
+static void receive_caustics(Wave *wave, unsigned level, uint32_t count,
+                             const WaveOptions *options)
+{
+    CausticsLight light = { .radius = 0 };
+    Receiver      read = { .face = { 0, 0, 0 } };
+    Rgb           groups[RECORDS_GROUPS_MOST];
+    for (uint32_t k = 0; k < count; k++) {
+        const WavePoint *p = &wave->point[level][k];
+        const uint32_t   each = options->split != NULL ? wave->gatherer->split->count + 1 : 0;
+        if (k == 0 || !is_same(&read, &p->at, SAME_SHARE * light.radius)) {
+            memset(groups, 0, sizeof groups);
+            light = caustics_find(wave->caustics, &p->at, each > 0 ? groups : NULL);
+            read = p->at;
+        }
+        add_to(wave, p, level, light.irradiance);
+        for (uint32_t g = 0; g < each; g++) {
+            Rgb *sum = split_sums(wave, p, options) + g;
+            *sum = rgb_add(*sum, rgb_mul(p->weight, groups[g]));
+        }
+    }
+}
+
 /* --- the hemisphere -------------------------------------------------------------------------- */
 
 WaveEnd wave_end(const Gatherer *gatherer, const Ray *ray, const Hit *hit)
@@ -431,7 +466,7 @@ bool wave_lamp_unaimed(const Wave *wave, const Receiver *at, uint32_t k)
 {
     Receiver seen;
     assert(k < WAVE_RAYS);
-    return wave->way[k].turned && !is_image(wave, at, k, &seen);
+    return wave->caustics == NULL && wave->way[k].turned && !is_image(wave, at, k, &seen);
 }
 
 /* What a lamp that the ray met adds. */
@@ -446,7 +481,8 @@ static void add_lamp(Wave *wave, unsigned level, const WavePoint *from, uint32_t
     const LampPlan  plan = plan_of(wave, level, wave->owner[k], options);
     Receiver        seen = from->at;
     const bool      aimed = !wave->way[k].turned || is_image(wave, &from->at, k, &seen);
-    const double    share = aimed ? lamps_share(&g->lamps, &seen, &plan, &hit) : 1;
+    const double    share = aimed ? lamps_share(&g->lamps, &seen, &plan, &hit)
+                                  : wave->caustics == NULL;
     const Rgb e = rgb_scale(rgb_mul(m->emission, wave->pass[k]),
                             M_PI * share * wave->worth[k] / rays);
     add_to(wave, from, level, e);
@@ -512,6 +548,8 @@ static void receive(Wave *wave, unsigned level, uint32_t count, const WaveOption
     if (lamps) {
         receive_lamps(wave, level, count, options, false);
         receive_images(wave, level, count, options, false);
+        if (wave->caustics != NULL)
+            receive_caustics(wave, level, count, options);
     }
     /* Who sees to the point lights at the points themselves does not where rays end. */
     if (lamps && (options->lights || level > 0) && wave->gatherer->room->light_count > 0) {

@@ -19,6 +19,7 @@
 #define RENDER_WAVE_H
 
 #include "radiosity/room.h"
+#include "render/caustics.h"
 #include "render/gather.h"
 #include "render/guides.h"
 #include "render/images.h"
@@ -78,6 +79,7 @@ typedef struct {
 
 typedef struct Wave {
     const Gatherer *gatherer;
+    const Caustics *caustics;        /* what hemisphere rays leave to photons; NULL: nothing */
     uint64_t  rays;                  /* cast so far */
     Rgb       direct[WAVE_POINTS];   /* irradiance, results of wave_gather */
     Rgb       indirect[WAVE_POINTS];
@@ -102,7 +104,8 @@ typedef struct Wave {
  * rays; for the others indirect is 0. */
 void wave_gather(Wave *wave, uint32_t count, uint32_t gathered, const WaveOptions *options);
 
-/* Whether light of a lamp that ray k met, cast from `at`, comes a way that no lamp ray finds. */
+/* Whether light of a lamp that ray k met, cast from `at`, comes a way that no lamp ray finds, nor
+ * photons. */
 bool wave_lamp_unaimed(const Wave *wave, const Receiver *at, uint32_t k);
 
 /* How far rays that leave p are moved off their surface. */
