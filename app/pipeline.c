@@ -107,6 +107,17 @@ static void warn_glass(const Pipeline *pipeline)
         }
 }
 
+/* Mirrors, glass and gloss give nothing back but their diffuse share, to whom ever: a solution that
+ * had gloss in it would be brighter than the paths of the same picture. */
+static void leave_diffuse(Polygons *soup)
+{
+    for (size_t i = 0; i < soup->material_count; i++) {
+        Material *m = &soup->materials[i];
+        m->specular = m->transmittance = (Rgb){ 0, 0, 0 };
+        m->exponent = m->roughness = 0;
+    }
+}
+
 bool pipeline_read(Pipeline *pipeline, Error *err)
 {
     Session *session = pipeline->session;
@@ -126,6 +137,8 @@ bool pipeline_read(Pipeline *pipeline, Error *err)
             monitor_warn(&session->monitor, "time-unused", session->options.scene,
                          "nothing in the file depends on TIME");
         scale_lights(pipeline->scene, session->options.unit_m);
+        if (session->options.diffuse)
+            leave_diffuse(&pipeline->scene->polygons);
         if (options_given(&session->options, OPTION_UP))
             pipeline->scene->up = vec3_unit(session->options.up);
         changes_read(&pipeline->changes, &session->options, pipeline->scene, err);

@@ -36,6 +36,19 @@ ok "their frame's time" grep -q 'frame .* ms' "$DIR/err"
 ok "no light is told apart" fails 3 'no channel irradiance' develop "$DIR/w.exr" \
     --false-colour illuminance
 ok "paths tell their error" grep -q '"standard_error": [0-9]' "$DIR/p.json"
+# A cube with gloss, without it: light between patches has none either.
+sed 's/cube.mtl/gloss.mtl/' "$cube" >"$DIR/gloss.obj"
+sed 's/Kd 0.5 0.4 0.3/&\nKs 0.3 0.3 0.3\nNs 20\nillum 2/' "$DIR/cube.mtl" >"$DIR/gloss.mtl"
+for of in cube gloss; do
+    ok "$of, diffuse" exits 0 render "$DIR/$of.obj" -o "$DIR/$of.exr" "${fast[@]}" "${view[@]}" \
+        --exposure 0 --diffuse
+done
+ok "both compared" exits 0 compare "$DIR/cube.exr" "$DIR/gloss.exr"
+ok "no gloss is left" grep -qE '^ *rmse +0 ' "$DIR/err"
+ok "with gloss" exits 0 render "$DIR/gloss.obj" -o "$DIR/gloss.exr" "${fast[@]}" "${view[@]}" \
+    --exposure 0
+ok "that compared" exits 0 compare "$DIR/cube.exr" "$DIR/gloss.exr"
+ok "gloss is seen" grep -qE '^ *rmse +[0-9.]*[1-9]' "$DIR/err"
 ok "another seed, another picture" exits 0 render "$cube" -o "$DIR/s.exr" "${fast[@]}" \
     "${view[@]}" --seed 7
 ok "seed changes the bytes" test "$(cmp -s "$DIR/1.exr" "$DIR/s.exr"; echo $?)" = 1
