@@ -29,7 +29,7 @@ own=(scenes/files/{cornell,two-rooms,table,two-lights,moving,shapes,mirror-room}
     'scenes/third-party/ignis-room/Room.obj --light ceiling'
     'scenes/third-party/modern-hall/staircase2.obj --diffuse'
     'scenes/third-party/veach-ajar/veach-ajar.obj --diffuse')
-more=('wooden-staircase/staircase.obj --diffuse' 'cornell-tinyobj/cornell_box.obj'
+more=('wooden-staircase/staircase.obj --diffuse' 'cornell-tinyobj/cornell_box.obj --light ceiling'
     'kitchen-lux/kitchen.obj --light ceiling --diffuse'
     'japanese-classroom/japanese-classroom.glb --light ceiling --diffuse'
     'librequake-e3m4/e3m4.obj --light ceiling --diffuse')
